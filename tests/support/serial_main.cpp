@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Serial tests may use fields and flows, which need MPI: it is initialised once, on one process.
+#include <gtest/gtest.h>
+#include <mpi.h>
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  ::testing::InitGoogleTest(&argc, argv);
+  const int status = RUN_ALL_TESTS();
+  MPI_Finalize();
+  return status;
+}
