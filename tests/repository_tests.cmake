@@ -1,4 +1,4 @@
-# What is claimed about the repository as a whole.
+# What is claimed about the repository as a whole: its layers, its install tree, its plot script.
 add_test(NAME layering
   COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR} -P ${PROJECT_SOURCE_DIR}/cmake/CheckLayering.cmake)
 add_test(NAME layering.check_finds_broken_trees
@@ -6,3 +6,19 @@ add_test(NAME layering.check_finds_broken_trees
           -D WORK=${CMAKE_CURRENT_BINARY_DIR}/layering -P ${CMAKE_CURRENT_SOURCE_DIR}/layering/layering_test.cmake)
 set_tests_properties(layering layering.check_finds_broken_trees PROPERTIES LABELS repository TIMEOUT 60)
 
+foreach(step install find_package pkg_config)
+  add_test(NAME consumer.${step}
+    COMMAND ${CMAKE_COMMAND} -D STEP=${step} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${CMAKE_CURRENT_SOURCE_DIR}/consumer
+            -D WORK=${CMAKE_CURRENT_BINARY_DIR}/consumer -D VERSION=${PROJECT_VERSION} -D CXX=${CMAKE_CXX_COMPILER}
+            -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/consumer_test.cmake)
+  set_tests_properties(consumer.${step} PROPERTIES LABELS repository TIMEOUT 180
+    ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;ASAN_OPTIONS=detect_leaks=0")
+endforeach()
+set_tests_properties(consumer.install PROPERTIES FIXTURES_SETUP install_tree)
+set_tests_properties(consumer.find_package consumer.pkg_config PROPERTIES FIXTURES_REQUIRED install_tree)
+
+find_program(STIFFRONT_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)  # Debian's, which sees Debian's modules
+if(STIFFRONT_PYTHON)
+  add_test(NAME plot COMMAND ${STIFFRONT_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/plot/plot_test.py)
+  set_tests_properties(plot PROPERTIES LABELS repository TIMEOUT 120 SKIP_RETURN_CODE 77)
+endif()

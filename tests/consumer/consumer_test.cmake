@@ -1,0 +1,46 @@
+# cmake -D STEP=install|find_package|pkg_config -D BUILD=<build folder> -D SOURCE=<tests/consumer> -D WORK=<scratch>
+#       -D VERSION=<expected> -D CXX=<compiler> -P consumer_test.cmake
+#
+# Installs into a scratch prefix, moves the tree, then builds and runs a user's program on it in both ways.
+cmake_policy(VERSION 3.25)
+set(prefix ${WORK}/moved)
+
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "${command}: ${status}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+function(expect_output pattern)
+  if(NOT output MATCHES "${pattern}")
+    message(FATAL_ERROR "expected '${pattern}' in:\n${output}")
+  endif()
+endfunction()
+
+if(STEP STREQUAL "install")
+  file(REMOVE_RECURSE ${WORK})
+  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/first)
+  file(RENAME ${WORK}/first ${prefix})
+elseif(STEP STREQUAL "find_package")
+  run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G Ninja -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_BUILD_TYPE=Release
+      -D CMAKE_PREFIX_PATH=${prefix})
+  run(${CMAKE_COMMAND} --build ${WORK}/build)
+  run(${WORK}/build/consumer)
+  expect_output("consumer of stiffront ${VERSION}")
+elseif(STEP STREQUAL "pkg_config")
+  file(GLOB_RECURSE pc ${prefix}/stiffront.pc)
+  get_filename_component(folder "${pc}" DIRECTORY)
+  set(ENV{PKG_CONFIG_PATH} "${folder}:$ENV{PKG_CONFIG_PATH}")
+  run(pkg-config --modversion stiffront)
+  expect_output("^${VERSION}")
+  run(pkg-config --cflags --libs stiffront)
+  separate_arguments(flags UNIX_COMMAND "${output}")
+  run(${CXX} -O3 ${SOURCE}/driver.cpp -o ${WORK}/by_pkg_config ${flags})
+  run(${WORK}/by_pkg_config)
+  expect_output("consumer of stiffront ${VERSION}")
+else()
+  message(FATAL_ERROR "unknown STEP '${STEP}'")
+endif()
