@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "stiffront/mesh/boundary.hpp"
+#include "stiffront/mesh/field.hpp"
+
+namespace stiffront {
+
+/// Brings the halos of one or several fields up to date: one message per neighbour carries all species of all fields.
+///
+/// Persistent requests are made once; begin() packs and starts them, work that needs no halo may follow, finish() waits, unpacks
+/// and applies the physical boundaries. Every exchange object serves any fields of the shape it was made for.
+class HaloExchange {
+ public:
+  /// @param width points exchanged per side; at most the fields' halo and the size of the smallest box.
+  /// @param species which species take part (all the others' halos stay as they are); empty: all.
+  /// @param corners whether diagonal neighbours are served too (needed when several stencils are applied per exchange).
+  HaloExchange(const Decomposition& decomposition, const Boundary& boundary, int n_species, int n_fields, int width,
+               std::vector<int> species = {}, bool corners = false);
+  HaloExchange(const HaloExchange&) = delete;
+  HaloExchange& operator=(const HaloExchange&) = delete;
+  ~HaloExchange();
+
+  /// @pre exactly n_fields fields; no exchange of this object is open. @mpi collective on the neighbours.
+  void begin(std::span<Field* const> fields);
+  /// Completes what begin() started.
+  void finish();
+  void exchange(std::span<Field* const> fields) {
+    begin(fields);
+    finish();
+  }
+  void exchange(Field& field) {
+    Field* f = &field;
+    exchange(std::span<Field* const>(&f, 1));
+  }
+
+  int width() const { return width_; }
+  /// Exchanges done so far, and the bytes this rank sent in them.
+  std::int64_t count() const { return count_; }
+  std::int64_t bytes_sent() const { return bytes_sent_; }
+
+ private:
+  struct Link {
+    int dx, dy;
+    int rank;
+    int send_i, send_j, recv_i, recv_j;  // first point of the strips
+    int n_i, n_j;
+    std::vector<double> send, recv;
+  };
+  void pack(Link& link) const;
+  void unpack(const std::vector<double>& buffer, const Link& link) const;
+
+  const Decomposition* decomposition_;
+  const Boundary* boundary_;
+  int width_;
+  std::vector<int> species_;
+  std::vector<Link> links_;
+  std::vector<MPI_Request> requests_;
+  std::vector<Field*> open_;
+  std::size_t n_fields_;
+  std::int64_t count_ = 0;
+  std::int64_t bytes_sent_ = 0;
+};
+
+}  // namespace stiffront

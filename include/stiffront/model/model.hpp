@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "stiffront/core/dual.hpp"
+#include "stiffront/core/simd.hpp"
+#include "stiffront/mesh/grid.hpp"
+
+namespace stiffront {
+
+/// Where and when rates are evaluated: one time, and a position per lane.
+template <class T>
+struct Place {
+  double t;
+  T x;
+  T y;  ///< 0 in one dimension
+};
+
+/// A parameter of a model M: its name in case files and the member that holds it. The default is that of a fresh M.
+template <class M>
+struct Parameter {
+  const char* name;
+  double M::*member;
+};
+
+/// An initial state built into a model M, given point by point by global index: a discontinuity must be placed by index, since
+/// comparing positions rounds differently from one build to the next.
+template <class M>
+struct Profile {
+  const char* name;
+  const char* what;
+  void (*evaluate)(const M& model, const Grid& grid, std::int64_t i, std::int64_t j, double* u);
+};
+
+/// What a model must have. Rates are templated on the scalar, so that one formula gives values on packs of cells and, through
+/// duals, the exact Jacobian. T is double, Pack or a Dual over one of them; P is a Place over the plain scalar.
+///
+///     struct Decay {
+///       static constexpr int n_species = 1;
+///       static constexpr const char* name = "decay";
+///       static constexpr const char* source = "textbook";
+///       static constexpr std::array<const char*, 1> species{"u"};
+///       static constexpr std::array<double, 1> diffusion{1.0};                          // defaults
+///       static constexpr std::array<Parameter<Decay>, 1> parameters{{{"k", &Decay::k}}};
+///       static constexpr std::array<Profile<Decay>, 0> profiles{};
+///       double k = 1.0;
+///       template <class T, class P>
+///       void rates(const T* u, T* du, const P& place) const { du[0] = -k * u[0]; }
+///     };
+template <class M>
+concept Model = std::copyable<M> && std::default_initializable<M> && requires(const M& m, const Pack* u, Pack* du, const Place<Pack>& p) {
+  { M::n_species } -> std::convertible_to<int>;
+  { M::name } -> std::convertible_to<std::string>;
+  { M::source } -> std::convertible_to<std::string>;
+  M::species[0];
+  M::diffusion[0];
+  M::parameters.size();
+  M::profiles.size();
+  m.rates(u, du, p);
+};
+
+/// The same facts without the type, for case files, lists and messages.
+struct ModelDescription {
+  struct NamedNumber {
+    std::string name;
+    double value;
+  };
+  struct NamedText {
+    std::string name;
+    std::string what;
+  };
+  std::string name;
+  std::string source;
+  std::vector<std::string> species;
+  std::vector<NamedNumber> parameters;  ///< with their defaults
+  std::vector<double> diffusion;        ///< default coefficients, one per species
+  std::vector<NamedText> profiles;
+
+  int n_species() const { return static_cast<int>(species.size()); }
+};
+
+template <Model M>
+ModelDescription describe() {
+  ModelDescription d;
+  d.name = M::name;
+  d.source = M::source;
+  const M fresh{};
+  for (const char* s : M::species) d.species.emplace_back(s);
+  for (double c : M::diffusion) d.diffusion.push_back(c);
+  for (const Parameter<M>& p : M::parameters) d.parameters.push_back({p.name, fresh.*p.member});
+  for (const Profile<M>& p : M::profiles) d.profiles.push_back({p.name, p.what});
+  return d;
+}
+
+/// Rates and Jacobian of one cell in plain doubles; jacobian[i*n + j] is d rates_i / d u_j.
+template <Model M>
+void cell_rates(const M& m, double t, double x, double y, const double* u, double* du) {
+  m.rates(u, du, Place<double>{t, x, y});
+}
+
+template <Model M>
+void cell_jacobian(const M& m, double t, double x, double y, const double* u, double* jacobian) {
+  constexpr int n = M::n_species;
+  using D = Dual<double, n>;
+  D v[n];
+  D dv[n];
+  for (int i = 0; i < n; ++i) v[i] = D::variable(u[i], i);
+  m.rates(v, dv, Place<double>{t, x, y});
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) jacobian[i * n + j] = dv[i].derivative[j];
+  }
+}
+
+}  // namespace stiffront

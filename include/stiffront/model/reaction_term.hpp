@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "stiffront/mesh/boundary.hpp"
+#include "stiffront/mesh/field.hpp"
+
+namespace stiffront {
+
+/// The reaction part of the equations, one virtual call for a whole box.
+class ReactionTerm {
+ public:
+  virtual ~ReactionTerm() = default;
+  virtual int n_species() const = 0;
+  /// du += rates(t, x, y, u) at the points of the box; other points are left alone. Interior only, no communication.
+  virtual void add_rates(double t, const Field& u, Field& du, const FreeBox& box) const = 0;
+  /// A bound on the modulus of the reaction Jacobian's eigenvalues over the box: the largest absolute row sum or column sum,
+  /// whichever is smaller, cell by cell.
+  virtual double jacobian_bound(double t, const Field& u, const FreeBox& box) const = 0;
+  /// One cell in plain doubles.
+  virtual void rates_at(double t, double x, double y, const double* u, double* du) const = 0;
+  /// jacobian[i*n + j] = d rates_i / d u_j.
+  virtual void jacobian_at(double t, double x, double y, const double* u, double* jacobian) const = 0;
+};
+
+}  // namespace stiffront

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+
+#include "stiffront/core/simd.hpp"
+
+namespace stiffront {
+
+/// Centred second difference along one direction at a pack of points: sum of c_k u_k without the factor 1/dx^2.
+/// Order 2: (1, -2, 1). Order 4: (-1, 16, -30, 16, -1)/12, written so that mirror images give the same bits.
+template <int Order>
+Pack second_difference(const double* u, std::ptrdiff_t step, Pack centre) {
+  static_assert(Order == 2 || Order == 4);
+  const Pack near = Pack::load(u - step) + Pack::load(u + step);
+  if constexpr (Order == 2) {
+    return neg_mul_add(Pack(2.0), centre, near);
+  } else {
+    const Pack far = Pack::load(u - 2 * step) + Pack::load(u + 2 * step);
+    return mul_add(Pack(4.0 / 3.0), near, neg_mul_add(Pack(2.5), centre, far * Pack(-1.0 / 12.0)));
+  }
+}
+
+/// D Laplacian(u) at the pack of points that starts at u[0].
+///
+/// Reads whole packs beyond the end of a row: fields are padded for that. The two directions enter symmetrically, so transposed data
+/// give transposed bits when the spacings are equal.
+template <int Order, int Dimension>
+struct Laplacian {
+  double k_x;  ///< D / dx^2
+  double k_y;  ///< D / dy^2
+  std::ptrdiff_t row_stride;
+
+  Pack operator()(const double* u) const { return (*this)(u, Pack::load(u)); }
+  Pack operator()(const double* u, Pack centre) const {
+    const Pack along_x = Pack(k_x) * second_difference<Order>(u, 1, centre);
+    if constexpr (Dimension == 1) {
+      return along_x;
+    } else {
+      return along_x + Pack(k_y) * second_difference<Order>(u, row_stride, centre);
+    }
+  }
+};
+
+/// The diagonal coefficient of -second_difference.
+constexpr double second_difference_diagonal(int order) { return order == 2 ? 2.0 : 2.5; }
+/// The largest eigenvalue of -second_difference, its symbol at the highest wave number (exact for periodic and Neumann grids with
+/// an even number of intervals, a bound for all others).
+constexpr double second_difference_radius(int order) { return order == 2 ? 4.0 : 16.0 / 3.0; }
+
+/// Calls f(i, n) for the packs of a row: points i .. i + n - 1, n = pack_size except at the end.
+template <class F>
+void for_each_pack(int i_begin, int i_end, F&& f) {
+  int i = i_begin;
+  for (; i + pack_size <= i_end; i += pack_size) f(i, pack_size);
+  if (i < i_end) f(i, i_end - i);
+}
+
+}  // namespace stiffront

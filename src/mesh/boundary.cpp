@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/mesh/boundary.hpp"
+
+#include <utility>
+
+namespace stiffront {
+
+Boundary::Boundary(std::array<std::array<BoundarySide, 2>, 2> sides) : sides_(std::move(sides)) {
+  for (const auto& direction : sides_) {
+    for (const BoundarySide& s : direction) {
+      has_dirichlet_ = has_dirichlet_ || s.kind == BoundaryKind::dirichlet;
+      depends_on_time_ = depends_on_time_ || (s.kind == BoundaryKind::dirichlet && s.depends_on_time);
+    }
+  }
+}
+
+Boundary Boundary::natural(const Grid& grid) {
+  std::array<std::array<BoundarySide, 2>, 2> sides;
+  for (std::size_t d = 0; d < 2; ++d) {
+    for (BoundarySide& s : sides[d]) s.kind = grid.periodic[d] ? BoundaryKind::periodic : BoundaryKind::neumann;
+  }
+  return Boundary(std::move(sides));
+}
+
+FreeBox Boundary::free_box(const Decomposition& d) const {
+  const auto fixed = [&](int direction, int which) {
+    return d.at_boundary(direction, which) && side(direction, which).kind == BoundaryKind::dirichlet ? 1 : 0;
+  };
+  FreeBox box{fixed(0, 0), d.n_x() - fixed(0, 1), 0, d.n_y()};
+  if (d.grid().dimension == 2) {
+    box.j_begin = fixed(1, 0);
+    box.j_end = d.n_y() - fixed(1, 1);
+  }
+  return box;
+}
+
+std::int64_t Boundary::free_points(const Grid& grid) const {
+  std::int64_t product = 1;
+  for (int d = 0; d < grid.dimension; ++d) {
+    std::int64_t n = grid.points[static_cast<std::size_t>(d)];
+    for (int which = 0; which < 2; ++which) n -= side(d, which).kind == BoundaryKind::dirichlet ? 1 : 0;
+    product *= n;
+  }
+  return product;
+}
+
+namespace {
+
+/// Fills `width` points beyond the end of a line of points that starts at `end` and goes inwards with stride `in`.
+void fill_line(double* end, std::ptrdiff_t in, int width, BoundaryKind kind) {
+  if (kind == BoundaryKind::neumann) {
+    for (int k = 1; k <= width; ++k) end[-k * in] = end[k * in];
+    return;
+  }
+  // A second-order stencil never looks beyond a Dirichlet point; wider halos continue the extrapolation.
+  if (kind != BoundaryKind::dirichlet || width < 2) return;
+  for (int k = 1; k <= width; ++k) {
+    const double* p = end - (k - 1) * in;
+    end[-k * in] = 4.0 * (p[0] + p[2 * in]) - 6.0 * p[in] - p[3 * in];
+  }
+}
+
+}  // namespace
+
+void Boundary::fill_halo(Field& u, int width) const {
+  const Decomposition& d = u.decomposition();
+  const int width_y = d.grid().dimension == 2 ? width : 0;
+  for (int s = 0; s < u.n_species(); ++s) {
+    for (int which = 0; which < 2; ++which) {
+      if (!d.at_boundary(0, which)) continue;
+      for (int j = -width_y; j < u.n_y() + width_y; ++j) {
+        double* row = u.row(s, j);
+        fill_line(which == 0 ? row : row + u.n_x() - 1, which == 0 ? 1 : -1, width, side(0, which).kind);
+      }
+    }
+    if (d.grid().dimension == 1) continue;
+    for (int which = 0; which < 2; ++which) {
+      if (!d.at_boundary(1, which)) continue;
+      double* end = u.row(s, which == 0 ? 0 : u.n_y() - 1);
+      const std::ptrdiff_t in = which == 0 ? u.row_stride() : -u.row_stride();
+      for (int i = -width; i < u.n_x() + width; ++i) fill_line(end + i, in, width, side(1, which).kind);
+    }
+  }
+}
+
+void Boundary::impose(Field& u, double t) const {
+  if (!has_dirichlet_) return;
+  const Decomposition& d = u.decomposition();
+  const Grid& grid = d.grid();
+  for (int s = 0; s < u.n_species(); ++s) {
+    const auto species = static_cast<std::size_t>(s);
+    for (int which = 0; which < 2 && grid.dimension == 2; ++which) {
+      const BoundarySide& b = side(1, which);
+      if (b.kind != BoundaryKind::dirichlet || !d.at_boundary(1, which)) continue;
+      const int j = which == 0 ? 0 : u.n_y() - 1;
+      const double y = grid.position(1, d.offset_y() + j);
+      for (int i = 0; i < u.n_x(); ++i) u.at(s, i, j) = b.values[species](t, grid.position(0, d.offset_x() + i), y);
+    }
+    for (int which = 0; which < 2; ++which) {
+      const BoundarySide& b = side(0, which);
+      if (b.kind != BoundaryKind::dirichlet || !d.at_boundary(0, which)) continue;
+      const int i = which == 0 ? 0 : u.n_x() - 1;
+      const double x = grid.position(0, d.offset_x() + i);
+      for (int j = 0; j < u.n_y(); ++j) {
+        u.at(s, i, j) = b.values[species](t, x, grid.dimension == 2 ? grid.position(1, d.offset_y() + j) : 0.0);
+      }
+    }
+  }
+}
+
+}  // namespace stiffront
