@@ -21,27 +21,62 @@ void check_mpi(int status, const char* call) {
 
 namespace {
 
-/// An Agreement as it travels: trivially copyable, reduced by one commutative operation.
-struct WireAgreement {
-  ReproducibleSum::Wire sums[Agreement::max_sums];
-  double maxima[Agreement::max_maxima];
+/// An agreement travels as an array of units that describe themselves, since a reduction may be cut anywhere between them.
+struct Unit {
+  enum Kind : std::int64_t { sum, maxima };
+  static constexpr int maxima_per_unit = 8;
+
+  std::int64_t kind;
+  union {
+    ReproducibleSum::Wire sum_;
+    double maxima_[maxima_per_unit];
+  };
   std::uint64_t flags;
 };
 
 void combine(void* in, void* inout, int* count, MPI_Datatype*) {
-  const auto* a = static_cast<const WireAgreement*>(in);
-  auto* b = static_cast<WireAgreement*>(inout);
+  const auto* a = static_cast<const Unit*>(in);
+  auto* b = static_cast<Unit*>(inout);
   for (int n = 0; n < *count; ++n) {
-    for (int i = 0; i < Agreement::max_sums; ++i) {
-      ReproducibleSum s = ReproducibleSum::from_wire(a[n].sums[i]);
-      s.merge(ReproducibleSum::from_wire(b[n].sums[i]));
-      b[n].sums[i] = s.wire();
-    }
-    for (int i = 0; i < Agreement::max_maxima; ++i) {
-      if (a[n].maxima[i] > b[n].maxima[i]) b[n].maxima[i] = a[n].maxima[i];
+    if (a[n].kind == Unit::sum) {
+      ReproducibleSum s = ReproducibleSum::from_wire(a[n].sum_);
+      s.merge(ReproducibleSum::from_wire(b[n].sum_));
+      b[n].sum_ = s.wire();
+    } else {
+      for (int i = 0; i < Unit::maxima_per_unit; ++i) {
+        if (a[n].maxima_[i] > b[n].maxima_[i]) b[n].maxima_[i] = a[n].maxima_[i];
+      }
     }
     b[n].flags |= a[n].flags;
   }
+}
+
+std::vector<Unit> to_units(const Agreement& a) {
+  std::vector<Unit> units;
+  for (const ReproducibleSum& s : a.sums) {
+    Unit u{};
+    u.kind = Unit::sum;
+    u.sum_ = s.wire();
+    units.push_back(u);
+  }
+  for (std::size_t i = 0; i < a.maxima.size() || units.empty(); i += Unit::maxima_per_unit) {
+    Unit u{};
+    u.kind = Unit::maxima;
+    for (std::size_t k = 0; k < Unit::maxima_per_unit; ++k) u.maxima_[k] = 0.0;
+    for (std::size_t k = 0; k < Unit::maxima_per_unit && i + k < a.maxima.size(); ++k) {
+      u.maxima_[k] = std::isnan(a.maxima[i + k]) ? std::numeric_limits<double>::infinity() : a.maxima[i + k];
+    }
+    units.push_back(u);
+  }
+  units[0].flags = a.flags;
+  return units;
+}
+
+void from_units(const std::vector<Unit>& units, Agreement& a) {
+  std::size_t n = 0;
+  for (ReproducibleSum& s : a.sums) s = ReproducibleSum::from_wire(units[n++].sum_);
+  for (std::size_t i = 0; i < a.maxima.size(); ++i) a.maxima[i] = units[n + i / Unit::maxima_per_unit].maxima_[i % Unit::maxima_per_unit];
+  a.flags = units[0].flags;
 }
 
 /// The datatype and operation of an agreement, made at first use.
@@ -56,7 +91,7 @@ struct AgreementOperation {
 
   void ensure() {
     if (op != MPI_OP_NULL) return;
-    check_mpi(MPI_Type_contiguous(static_cast<int>(sizeof(WireAgreement)), MPI_BYTE, &type), "MPI_Type_contiguous");
+    check_mpi(MPI_Type_contiguous(static_cast<int>(sizeof(Unit)), MPI_BYTE, &type), "MPI_Type_contiguous");
     check_mpi(MPI_Type_commit(&type), "MPI_Type_commit");
     check_mpi(MPI_Op_create(&combine, 1, &op), "MPI_Op_create");
     // MPI_Finalize first deletes the attributes of MPI_COMM_SELF (MPI 3.1, section 8.7.1): the place to free both.
@@ -112,21 +147,17 @@ Communicator::~Communicator() {
 
 void Communicator::agree(Agreement& a) const {
   ++reductions_;
-  WireAgreement mine{};
-  for (int i = 0; i < Agreement::max_sums; ++i) mine.sums[i] = a.sums[i].wire();
-  for (int i = 0; i < Agreement::max_maxima; ++i) {
-    mine.maxima[i] = std::isnan(a.maxima[i]) ? std::numeric_limits<double>::infinity() : a.maxima[i];
+  if (size_ == 1) {
+    for (double& m : a.maxima) m = std::isnan(m) ? std::numeric_limits<double>::infinity() : m;
+    return;
   }
-  mine.flags = a.flags;
-  WireAgreement agreed = mine;
-  if (size_ > 1) {
-    AgreementOperation& operation = AgreementOperation::instance();
-    operation.ensure();
-    check_mpi(MPI_Allreduce(&mine, &agreed, 1, operation.type, operation.op, comm_), "MPI_Allreduce");
-  }
-  for (int i = 0; i < Agreement::max_sums; ++i) a.sums[i] = ReproducibleSum::from_wire(agreed.sums[i]);
-  for (int i = 0; i < Agreement::max_maxima; ++i) a.maxima[i] = agreed.maxima[i];
-  a.flags = agreed.flags;
+  AgreementOperation& operation = AgreementOperation::instance();
+  operation.ensure();
+  const std::vector<Unit> mine = to_units(a);
+  std::vector<Unit> agreed = mine;
+  check_mpi(MPI_Allreduce(mine.data(), agreed.data(), static_cast<int>(mine.size()), operation.type, operation.op, comm_),
+            "MPI_Allreduce");
+  from_units(agreed, a);
 }
 
 double Communicator::max(double x) const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "stiffront/core/reproducible_sum.hpp"
 
@@ -14,12 +15,14 @@ namespace stiffront {
 void check_mpi(int status, const char* call);
 
 /// What every rank contributes to, and learns from, one agreement: reproducible sums, maxima and or-ed flags in a single reduction.
+/// Every rank passes the same numbers of sums and maxima; only what is there travels.
 struct Agreement {
-  static constexpr int max_sums = 4;
-  static constexpr int max_maxima = 4;
-  ReproducibleSum sums[max_sums];
-  double maxima[max_maxima] = {0.0, 0.0, 0.0, 0.0};  ///< non-negative quantities; a NaN is passed on as infinity
-  std::uint64_t flags = 0;                           ///< failures, signals, limits: or-ed
+  explicit Agreement(int n_sums = 1, int n_maxima = 1)
+      : sums(static_cast<std::size_t>(n_sums)), maxima(static_cast<std::size_t>(n_maxima), 0.0) {}
+
+  std::vector<ReproducibleSum> sums;
+  std::vector<double> maxima;  ///< non-negative quantities; a NaN is passed on as infinity
+  std::uint64_t flags = 0;     ///< failures, signals, limits: or-ed
 };
 
 /// A duplicate of a communicator that returns its errors, freed at the end. Movable, never copied, never global.

@@ -8,6 +8,7 @@
 
 #include "stiffront/core/dual.hpp"
 #include "stiffront/core/simd.hpp"
+#include "stiffront/mesh/decomposition.hpp"
 #include "stiffront/mesh/grid.hpp"
 
 namespace stiffront {
@@ -19,6 +20,15 @@ struct Place {
   T x;
   T y;  ///< 0 in one dimension
 };
+
+/// The place of the pack of cells that starts at local point (i, j). Positions are computed from global indices, lane by lane.
+inline Place<Pack> place_of_pack(const Decomposition& d, double t, int i, int j) {
+  const Grid& grid = d.grid();
+  Pack index(static_cast<double>(d.offset_x() + i));
+  for (int l = 0; l < pack_size; ++l) index.set(l, index[l] + l);
+  return {t, Pack(grid.lower[0]) + index * Pack(grid.spacing(0)),
+          Pack(grid.dimension == 2 ? grid.position(1, d.offset_y() + j) : 0.0)};
+}
 
 /// A parameter of a model M: its name in case files and the member that holds it. The default is that of a fresh M.
 template <class M>

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <fmt/format.h>
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include "stiffront/core/error.hpp"
+#include "stiffront/model/model.hpp"
+#include "stiffront/model/reaction_term.hpp"
+#include "stiffront/space/laplacian.hpp"
+
+namespace stiffront {
+
+/// A model with its parameters, ready for use: the virtual face of everything that is compiled for one model's cell loop.
+class ModelKernels : public ReactionTerm {
+ public:
+  virtual const ModelDescription& description() const = 0;
+  int n_species() const override { return description().n_species(); }
+  /// Fills the interior of u with a built-in profile. @throws Error(input) for a name the model does not have.
+  virtual void initialise(const std::string& profile, Field& u) const = 0;
+};
+
+template <Model M>
+class ModelKernelsOf final : public ModelKernels {
+ public:
+  /// @throws Error(input) for a parameter the model does not have.
+  explicit ModelKernelsOf(const std::map<std::string, double>& parameters) : description_(describe<M>()) {
+    for (const auto& [name, value] : parameters) {
+      bool found = false;
+      for (const Parameter<M>& p : M::parameters) {
+        if (name == p.name) {
+          model_.*p.member = value;
+          found = true;
+        }
+      }
+      if (!found) throw Error(ErrorKind::input, fmt::format("model.parameters.{}: the model \"{}\" has no such parameter", name, M::name));
+    }
+  }
+  /// A model that was made elsewhere, with a description of its own (models written in case files).
+  ModelKernelsOf(M model, ModelDescription description) : model_(std::move(model)), description_(std::move(description)) {}
+
+  const ModelDescription& description() const override { return description_; }
+
+  void initialise(const std::string& profile, Field& u) const override {
+    for (const Profile<M>& p : M::profiles) {
+      if (profile != p.name) continue;
+      const Decomposition& d = u.decomposition();
+      double cell[M::n_species];
+      for (int j = 0; j < u.n_y(); ++j) {
+        for (int i = 0; i < u.n_x(); ++i) {
+          p.evaluate(model_, d.grid(), d.offset_x() + i, d.offset_y() + j, cell);
+          for (int s = 0; s < M::n_species; ++s) u.at(s, i, j) = cell[s];
+        }
+      }
+      return;
+    }
+    throw Error(ErrorKind::input, fmt::format("initial.profile: the model \"{}\" has no profile \"{}\"", description_.name, profile));
+  }
+
+  void add_rates(double t, const Field& u, Field& du, const FreeBox& box) const override {
+    constexpr int m = M::n_species;
+    const Decomposition& d = u.decomposition();
+    for (int j = box.j_begin; j < box.j_end; ++j) {
+      for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
+        Pack v[m];
+        Pack dv[m];
+        for (int s = 0; s < m; ++s) v[s] = Pack::load_partial(u.row(s, j) + i, n);
+        model_.rates(v, dv, place_of_pack(d, t, i, j));
+        for (int s = 0; s < m; ++s) {
+          double* out = du.row(s, j) + i;
+          (Pack::load_partial(out, n) + dv[s]).store_partial(out, n);
+        }
+      });
+    }
+  }
+
+  double jacobian_bound(double t, const Field& u, const FreeBox& box) const override {
+    constexpr int m = M::n_species;
+    using D = Dual<Pack, m>;
+    const Decomposition& d = u.decomposition();
+    Pack largest(0.0);
+    for (int j = box.j_begin; j < box.j_end; ++j) {
+      for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
+        D v[m];
+        D dv[m];
+        for (int s = 0; s < m; ++s) v[s] = D::variable(Pack::load_partial(u.row(s, j) + i, n), s);
+        model_.rates(v, dv, place_of_pack(d, t, i, j));
+        Pack row(0.0);
+        Pack column(0.0);
+        for (int a = 0; a < m; ++a) {
+          Pack along_row(0.0);
+          Pack along_column(0.0);
+          for (int b = 0; b < m; ++b) {
+            along_row += abs(dv[a].derivative[b]);
+            along_column += abs(dv[b].derivative[a]);
+          }
+          row = max(row, along_row);
+          column = max(column, along_column);
+        }
+        largest = max(largest, min(row, column));
+      });
+    }
+    return max_lane(largest);
+  }
+
+  void rates_at(double t, double x, double y, const double* u, double* du) const override { cell_rates(model_, t, x, y, u, du); }
+  void jacobian_at(double t, double x, double y, const double* u, double* jacobian) const override {
+    cell_jacobian(model_, t, x, y, u, jacobian);
+  }
+
+ private:
+  M model_{};
+  ModelDescription description_;
+};
+
+}  // namespace stiffront

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/control/evolve.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "stiffront/core/error.hpp"
+
+namespace stiffront {
+namespace {
+
+/// A time a step must land on, and what happens there.
+struct Target {
+  double t;
+  bool restarts;        // the method forgets its history
+  bool resets_step;     // ... and begins with Schedule::restart_step
+};
+
+Target next_target(const Schedule& s, double t) {
+  // A time already reached, up to round-off, is no target any more.
+  const double tiny = 4.0 * std::numeric_limits<double>::epsilon() * std::max({std::abs(t), std::abs(s.end), s.end - s.start});
+  Target target{s.end, false, false};
+  const auto consider = [&](double time, bool restarts, bool resets) {
+    if (time <= t + tiny || time > target.t) return;
+    if (time == target.t) {
+      target.restarts |= restarts;
+      target.resets_step |= resets;
+    } else {
+      target = {time, restarts, resets};
+    }
+  };
+  for (double time : s.breakpoints) consider(time, true, false);
+  for (double time : s.landing_times) consider(time, false, false);
+  if (s.restart_period > 0.0) {
+    const double k = std::floor((t + tiny - s.start) / s.restart_period) + 1.0;
+    consider(s.start + k * s.restart_period, true, true);
+  }
+  return target;
+}
+
+[[noreturn]] void throw_underflow(const StepRecord& r) {
+  throw Error(ErrorKind::numerics,
+              fmt::format("the step size underflowed at t = {:.17g} (dt = {:.3g}) after {} accepted steps{}{}; loosen the tolerance or "
+                          "check the model and its initial state",
+                          r.t, r.dt, r.step, r.attempt.reason.empty() ? "" : ": ", r.attempt.reason));
+}
+
+}  // namespace
+
+bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progress, Observer& observer) {
+  Field u_new = u.similar();
+  if (progress.dt == 0.0) progress.dt = method.first_step(progress.t, schedule.end, u);
+  while (progress.t < schedule.end) {
+    if (schedule.max_steps > 0 && progress.accepted + progress.rejected >= schedule.max_steps) {
+      throw Error(ErrorKind::numerics, fmt::format("limits.max_steps: {} attempts were made and t = {:.17g} is reached, not {:.17g}",
+                                                   schedule.max_steps, progress.t, schedule.end));
+    }
+    const Target target = next_target(schedule, progress.t);
+    StepRecord record;
+    record.step = progress.accepted;
+    record.t = progress.t;
+    // A last step may be a little longer than planned: better than a tiny one after it.
+    const bool lands = progress.t + 1.01 * progress.dt >= target.t;
+    const bool cut = lands && target.t - progress.t < 0.999 * progress.dt;
+    record.dt = lands ? target.t - progress.t : progress.dt;
+    std::uint64_t flags = observer.requests();
+    record.attempt = method.attempt(record.t, record.dt, u, u_new, flags);
+    observer.attempted(record);
+    const Attempt& a = record.attempt;
+
+    if (!a.accepted) {
+      ++progress.rejected;
+      progress.resume_dt = 0.0;
+      if (!(a.dt_next < record.dt)) throw Error(ErrorKind::bug, "a rejected attempt did not ask for a smaller step");
+      progress.dt = a.dt_next;
+      if (!(progress.dt > 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(progress.t), schedule.end - schedule.start))) {
+        throw_underflow(record);
+      }
+      continue;
+    }
+
+    const double t_new = lands ? target.t : progress.t + record.dt;
+    observer.stepped(record, t_new, u, u_new);
+    if (cut && progress.resume_dt == 0.0) progress.resume_dt = progress.dt;
+    method.accept(u, u_new);
+    progress.t = t_new;
+    ++progress.accepted;
+    progress.dt = a.dt_next;
+    if (progress.resume_dt > 0.0) {
+      if (method.resumes_after_short_step()) progress.dt = std::max(progress.dt, progress.resume_dt);
+      progress.resume_dt = 0.0;
+    }
+    if (lands && target.restarts) {
+      method.restart(progress.t);
+      progress.dt = target.resets_step && schedule.restart_step > 0.0 ? schedule.restart_step
+                                                                     : method.first_step(progress.t, schedule.end, u);
+    }
+    if (!observer.carry_on(flags, progress.accepted, progress.t, progress.dt, u)) return progress.t >= schedule.end;
+  }
+  return true;
+}
+
+}  // namespace stiffront
