@@ -13,10 +13,10 @@
 
 namespace stiffront {
 
-/// Where and when rates are evaluated: one time, and a position per lane.
+/// Where and when rates are evaluated. Time is a number per lane too: cells integrated together have inner steps of their own.
 template <class T>
 struct Place {
-  double t;
+  T t;
   T x;
   T y;  ///< 0 in one dimension
 };
