@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "stiffront/control/method.hpp"
+#include "stiffront/control/state_norm.hpp"
+#include "stiffront/model/reaction_term.hpp"
+#include "stiffront/splitting/composition.hpp"
+#include "stiffront/splitting/reaction_flow.hpp"
+
+namespace stiffront {
+
+/// Parameters of adaptive Strang splitting, by their names in the paper.
+struct AdaptiveStrangOptions {
+  double tolerance = 1e-4;         ///< eta: bound on the estimated local error in StateNorm
+  double initial_step = 0.0;       ///< dt0; 0: chosen from the reaction Jacobian
+  double epsilon = 0.05;           ///< shift of the embedded scheme, to begin with
+  double epsilon_max = 0.49;       ///< below 1/2, so that no flow runs backwards
+  bool critical_step = true;       ///< whether the critical step and epsilon are controlled (section 5)
+  int period = 10;                 ///< N: accepted steps between estimates of the critical step
+  double safety = 0.9;             ///< upsilon, of the step size
+  double critical_safety = 0.9;    ///< zeta, of the critical step
+  double beta = 0.1;               ///< working region [beta dt*, gamma dt*]
+  double gamma = 0.95;
+  double theta = 10.0;             ///< aims at dt* = zeta theta dt when epsilon is chosen anew
+  double max_growth = 5.0;         ///< of the step from one attempt to the next; the paper has no limit
+  SplittingOrder order = SplittingOrder::reaction_last;
+  std::vector<int> species;        ///< those that enter the error; empty: all
+};
+
+/// Strang splitting with an epsilon-shifted embedded scheme, and control of the step, of the critical step below which the
+/// difference of the two overestimates the splitting error, and of epsilon.
+///
+/// One attempt costs 1.5 dt of the last flow and two states of the middle flow advanced together; estimating the critical step
+/// adds four Strang steps over 2 dt in all, once every `period` accepted steps or when the strategy asks for it.
+/// @see Descombes, Duarte, Dumont, Louvet & Massot, Confluentes Math. 3(3), 2011, section 5.3; docs/adaptive-strang.md
+class AdaptiveStrang final : public Method {
+ public:
+  /// @param shape a field of the shape of the states; only its shape is used.
+  AdaptiveStrang(const Field& shape, const Boundary& boundary, const ReactionTerm& model, ReactionFlow& reaction, Flow& diffusion,
+                 AdaptiveStrangOptions options);
+
+  double first_step(double t, double t_end, Field& u) override;
+  Attempt attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) override;
+  void accept(Field& u, Field& u_new) override;
+  void restart(double t) override;
+  void visit_state(StateVisitor& visitor) override;
+
+  double epsilon() const { return epsilon_; }
+  double critical_dt() const { return critical_dt_; }
+  /// Estimated constants of the local errors: Strang error = c0 dt^3, distance to the embedded scheme = c_epsilon epsilon dt^2.
+  double c0() const { return c0_; }
+  double c_epsilon() const { return c_epsilon_; }
+
+ private:
+  enum Slot { embedded, half, whole };  // norms of an attempt: |v - w|, E2, E1
+
+  void estimate_strang_error(double t, double dt, Field& u, Attempt& a, Agreement& agreement);
+  void strang_and_embedded(double t, double dt, Field& u, Field& v, Attempt& a);
+  void update_critical_step(double dt, double error_whole, double error_half, double& error);
+  void note(std::optional<CellFailure> failure, Attempt& a) const;
+
+  const Communicator* comm_;
+  const ReactionTerm* model_;
+  FreeBox free_;
+  SplitFlows flows_;
+  ReactionFlow* reaction_;
+  AdaptiveStrangOptions options_;
+  StateNorm norm_;
+  Field embedded_;                      // w
+  std::optional<Field> two_steps_;      // B: only if the critical step is controlled
+
+  double epsilon_;
+  double critical_dt_ = std::numeric_limits<double>::infinity();
+  double c0_ = 0.0;
+  double c_epsilon_ = 0.0;
+  int accepted_ = 0;
+  int estimated_at_ = -1;               // value of accepted_ at the last estimate
+  bool estimate_asked_ = false;         // the paper's flag
+};
+
+}  // namespace stiffront

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "stiffront/core/mpi.hpp"
+#include "stiffront/mesh/boundary.hpp"
+#include "stiffront/mesh/field.hpp"
+
+namespace stiffront {
+
+/// The norm of the splitting methods: for each controlled species the root mean square of a difference over the evolving points,
+/// divided by the largest modulus of the species; the largest over the controlled species.
+///
+/// Contributions of all ranks travel in one agreement, several norms at a time: a norm takes one slot, n_species sums each; the
+/// scales take n_species maxima.
+class StateNorm {
+ public:
+  /// @param species controlled species; empty: all.
+  StateNorm(const Decomposition& decomposition, const Boundary& boundary, int n_species, std::vector<int> species);
+
+  int n_controlled() const { return static_cast<int>(species_.size()); }
+  /// An agreement with room for the given number of norms.
+  Agreement agreement(int norms) const { return Agreement(norms * n_controlled(), n_controlled()); }
+  /// Adds this rank's part of |a - b| in the given slot. @cost one pass over both.
+  void add_difference(const Field& a, const Field& b, int slot, Agreement& agreement) const;
+  /// Adds this rank's part of the scales.
+  void add_scale(const Field& u, Agreement& agreement) const;
+  /// The norm after the agreement. NaN if a difference was not finite.
+  double value(int slot, const Agreement& agreement) const;
+
+ private:
+  FreeBox free_;
+  double points_;
+  std::vector<int> species_;
+};
+
+/// step_flags of a state: not_finite, negative. @cost one pass.
+std::uint64_t inspect(const Field& u, const FreeBox& box);
+
+}  // namespace stiffront

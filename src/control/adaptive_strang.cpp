@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/control/adaptive_strang.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "stiffront/control/fixed_step.hpp"
+
+namespace stiffront {
+namespace {
+
+// Two estimators of the Strang error, eq. (5.8): a step of length a_j is compared with steps of b_j and c_j, b_j + c_j = a_j.
+// With a_2 = c_1 the two share a Strang step.
+constexpr double a1 = 1.0, b1 = 0.5, c1 = 0.5;
+constexpr double a2 = 0.5, b2 = 0.4, c2 = 0.1;
+static_assert(a2 == c1 && b1 + c1 == a1);
+
+constexpr double cube(double x) { return x * x * x; }
+
+// Below this the difference of two states is round-off, whose quotient by dt^3 means nothing.
+constexpr double round_off_floor = 1e-13;
+
+}  // namespace
+
+AdaptiveStrang::AdaptiveStrang(const Field& shape, const Boundary& boundary, const ReactionTerm& model, ReactionFlow& reaction,
+                               Flow& diffusion, AdaptiveStrangOptions options)
+    : comm_(&shape.comm()),
+      model_(&model),
+      free_(boundary.free_box(shape.decomposition())),
+      flows_{&reaction, &diffusion},
+      reaction_(&reaction),
+      options_(std::move(options)),
+      norm_(shape.decomposition(), boundary, model.n_species(), options_.species),
+      embedded_(shape.similar()),
+      epsilon_(options_.epsilon) {
+  if (options_.critical_step) two_steps_ = shape.similar();
+}
+
+double AdaptiveStrang::first_step(double t, double t_end, Field& u) {
+  if (options_.initial_step > 0.0) return std::min(options_.initial_step, t_end - t);
+  // The fastest time scale of the reaction: too small rather than too large, and growth makes up for it in a few steps.
+  const double fastest = comm_->max(model_->jacobian_bound(t, u, free_));
+  const double tenth = 0.1 * (t_end - t);
+  return fastest * tenth > 1.0 ? 1.0 / fastest : tenth;
+}
+
+void AdaptiveStrang::note(std::optional<CellFailure> failure, Attempt& a) const {
+  if (failure && !a.failure) a.failure = std::move(failure);
+}
+
+/// Step 1: A = S^{b2 dt} S^{c2 dt} u, B = S^{c1 dt} u, E2 = |B - A|, then B = S^{b1 dt} B for E1 = |v - B|.
+void AdaptiveStrang::estimate_strang_error(double t, double dt, Field& u, Attempt& a, Agreement& agreement) {
+  const Composition s = strang(options_.order);
+  Field& A = embedded_;  // not needed before step 2
+  Field& B = *two_steps_;
+  note(stiffront::advance(flows_, s, t, c2 * dt, u, A, a.work), a);
+  note(stiffront::advance(flows_, s, t + c2 * dt, b2 * dt, A, A, a.work), a);
+  note(stiffront::advance(flows_, s, t, c1 * dt, u, B, a.work), a);
+  norm_.add_difference(B, A, half, agreement);
+  note(stiffront::advance(flows_, s, t + c1 * dt, b1 * dt, B, B, a.work), a);
+}
+
+/// Step 2: v = S^{dt} u and w = S_epsilon^{dt} u with the first half step shared and the middle flow of both in one sweep.
+void AdaptiveStrang::strang_and_embedded(double t, double dt, Field& u, Field& v, Attempt& a) {
+  const Composition s = shifted_strang(options_.order, epsilon_);
+  Flow& outer = flows_.of(s[0].process);
+  Flow& inner = flows_.of(s[1].process);
+  Field& w = embedded_;
+  note(outer.advance(t, 0.5 * dt, u, v, a.work), a);
+  note(outer.advance(t + 0.5 * dt, epsilon_ * dt, v, w, a.work), a);
+  const Transition both[] = {{&v, &v}, {&w, &w}};
+  note(inner.advance(t, dt, both, a.work), a);
+  note(outer.advance(t + (0.5 + epsilon_) * dt, (0.5 - epsilon_) * dt, w, w, a.work), a);
+  note(outer.advance(t + 0.5 * dt, 0.5 * dt, v, v, a.work), a);
+}
+
+/// Step 3: the constants of the two errors, the critical step dt* = zeta epsilon C_epsilon / C_0, and epsilon.
+///
+/// K is the Strang error over the whole step from eq. (5.10), which allows for a lost order by an unknown omega; where the two
+/// equations contradict each other it is the step-doubling estimate E1 / (1 - 1/4) instead.
+void AdaptiveStrang::update_critical_step(double dt, double error_whole, double error_half, double& error) {
+  const double doubled = error_whole / (a1 * a1 * a1 - cube(b1) - cube(c1));
+  if (error_whole > round_off_floor && error > round_off_floor) {
+    const double alpha1 = cube(a1) - cube(b1), gamma1 = cube(c1);
+    const double alpha2 = cube(a2) - cube(b2), gamma2 = cube(c2);
+    double strang_error = (gamma1 * error_half - gamma2 * error_whole) / (alpha2 * gamma1 - alpha1 * gamma2);
+    if (!(strang_error >= 0.2 * doubled && strang_error <= 5.0 * doubled)) strang_error = doubled;
+    c0_ = strang_error / cube(dt);
+    c_epsilon_ = error / (epsilon_ * dt * dt);
+  }
+  if (c0_ == 0.0) return;
+  critical_dt_ = options_.critical_safety * epsilon_ * c_epsilon_ / c0_;
+  if (accepted_ > 0 && (dt < options_.beta * critical_dt_ || dt > options_.gamma * critical_dt_)) {
+    const double epsilon = std::min(options_.theta * c0_ * dt / c_epsilon_, options_.epsilon_max);
+    error *= epsilon / epsilon_;  // the distance to the embedded scheme is proportional to epsilon
+    epsilon_ = epsilon;
+    critical_dt_ = options_.critical_safety * epsilon_ * c_epsilon_ / c0_;
+  }
+}
+
+Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
+  Attempt a;
+  const bool estimates = options_.critical_step &&
+                         (estimate_asked_ || (accepted_ % options_.period == 0 && estimated_at_ != accepted_));
+  Agreement agreement = norm_.agreement(estimates ? 3 : 1);
+
+  // Step 1.
+  if (estimates) estimate_strang_error(t, dt, u, a, agreement);
+
+  // Step 2.
+  strang_and_embedded(t, dt, u, u_new, a);
+  norm_.add_difference(u_new, embedded_, embedded, agreement);
+  if (estimates) norm_.add_difference(u_new, *two_steps_, whole, agreement);
+  norm_.add_scale(u_new, agreement);
+  agreement.flags = flags | inspect(u_new, free_);
+  if (a.failure) agreement.flags |= step_flags::cell_failed;
+  comm_->agree(agreement);
+  flags = agreement.flags;
+  double error = norm_.value(embedded, agreement);
+  if ((flags & (step_flags::cell_failed | step_flags::not_finite)) != 0 || !std::isfinite(error)) {
+    a.reason = (flags & step_flags::cell_failed) != 0 ? "a cell could not be integrated" : "the new state is not finite";
+    a.error = error;
+    a.dt_next = 0.5 * dt;
+    a.epsilon = epsilon_;
+    return a;
+  }
+
+  // Step 3.
+  if (estimates) {
+    update_critical_step(dt, norm_.value(whole, agreement), norm_.value(half, agreement), error);
+    estimated_at_ = accepted_;
+    estimate_asked_ = false;
+  }
+
+  // Step 4: the new step from eq. (2.11), and whether the critical step has to be known better.
+  const double factor = error > 0.0 ? options_.safety * std::sqrt(options_.tolerance / error) : options_.max_growth;
+  const double dt_new = dt * std::clamp(factor, 0.05, options_.max_growth);
+  if (options_.critical_step && dt_new > critical_dt_ && epsilon_ < options_.epsilon_max) estimate_asked_ = true;
+
+  // Step 5.
+  a.accepted = error <= options_.tolerance && !(dt > critical_dt_);
+  a.error = error;
+  a.dt_next = options_.critical_step ? std::min(dt_new, critical_dt_) : dt_new;
+  a.epsilon = epsilon_;
+  a.critical_dt = options_.critical_step ? critical_dt_ : 0.0;
+  if (!a.accepted) {
+    a.reason = error > options_.tolerance ? "the error estimate exceeds the tolerance" : "the step exceeds the critical splitting step";
+    a.dt_next = std::min(a.dt_next, 0.95 * dt);
+  }
+  return a;
+}
+
+void AdaptiveStrang::accept(Field& u, Field& u_new) {
+  swap(u, u_new);
+  ++accepted_;
+}
+
+void AdaptiveStrang::restart(double) {
+  epsilon_ = options_.epsilon;
+  critical_dt_ = std::numeric_limits<double>::infinity();
+  c0_ = c_epsilon_ = 0.0;
+  accepted_ = 0;
+  estimated_at_ = -1;
+  estimate_asked_ = false;
+}
+
+void AdaptiveStrang::visit_state(StateVisitor& visitor) {
+  visit_flows(visitor, *reaction_, *flows_.diffusion);
+  visitor.number("epsilon", epsilon_);
+  visitor.number("critical_dt", critical_dt_);
+  visitor.number("c0", c0_);
+  visitor.number("c_epsilon", c_epsilon_);
+  visitor.integer("accepted", accepted_);
+  visitor.integer("estimated_at", estimated_at_);
+  visitor.integer("estimate_asked", estimate_asked_);
+}
+
+}  // namespace stiffront
