@@ -117,11 +117,19 @@ Dual<T, N> min(const Dual<T, N>& a, const Dual<T, N>& b) { return select(a.value
 template <class T, int N>
 Dual<T, N> max(const Dual<T, N>& a, const Dual<T, N>& b) { return select(a.value > b.value, a, b); }
 template <class T, int N>
+Dual<T, N> min(const Dual<T, N>& a, double b) { return min(a, Dual<T, N>(T(b))); }
+template <class T, int N>
+Dual<T, N> max(const Dual<T, N>& a, double b) { return max(a, Dual<T, N>(T(b))); }
+template <class T, int N>
 Dual<T, N> abs(const Dual<T, N>& a) { return select(a.value < T(0.0), -a, a); }
 template <class T, int N>
 Dual<T, N> sqrt(const Dual<T, N>& a) { const T s = sqrt(a.value); return detail::chain(a, s, T(0.5) / s); }
 template <class T, int N>
 Dual<T, N> exp(const Dual<T, N>& a) { const T e = exp(a.value); return detail::chain(a, e, e); }
+template <class T, int N>
+Dual<T, N> expm1(const Dual<T, N>& a) { return detail::chain(a, expm1(a.value), exp(a.value)); }
+template <class T, int N>
+Dual<T, N> log1p(const Dual<T, N>& a) { return detail::chain(a, log1p(a.value), T(1.0) / (T(1.0) + a.value)); }
 template <class T, int N>
 Dual<T, N> log(const Dual<T, N>& a) { return detail::chain(a, log(a.value), T(1.0) / a.value); }
 template <class T, int N>
@@ -147,6 +155,12 @@ Dual<T, N> tanh(const Dual<T, N>& a) { const T t = tanh(a.value); return detail:
 /// a^p with a constant exponent; the derivative at a = 0 is that of the limit for p >= 1.
 template <class T, int N>
 Dual<T, N> pow(const Dual<T, N>& a, double p) { return detail::chain(a, pow(a.value, T(p)), T(p) * pow(a.value, T(p - 1.0))); }
+/// a^b with a positive constant base.
+template <class T, int N>
+Dual<T, N> pow(double a, const Dual<T, N>& b) {
+  const T r = pow(T(a), b.value);
+  return detail::chain(b, r, r * T(std::log(a)));
+}
 template <class T, int N>
 Dual<T, N> pow(const Dual<T, N>& a, const Dual<T, N>& b) {
   Dual<T, N> r;
