@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "stiffront/core/error.hpp"
+#include "stiffront/core/timer.hpp"
 
 namespace stiffront {
 
@@ -127,13 +128,15 @@ Communicator::Communicator(MPI_Comm comm) {
 }
 
 Communicator::Communicator(Communicator&& other) noexcept
-    : comm_(std::exchange(other.comm_, MPI_COMM_NULL)), rank_(other.rank_), size_(other.size_), reductions_(other.reductions_) {}
+    : comm_(std::exchange(other.comm_, MPI_COMM_NULL)), rank_(other.rank_), size_(other.size_), reductions_(other.reductions_),
+      seconds_reducing_(other.seconds_reducing_) {}
 
 Communicator& Communicator::operator=(Communicator&& other) noexcept {
   std::swap(comm_, other.comm_);
   rank_ = other.rank_;
   size_ = other.size_;
   reductions_ = other.reductions_;
+  seconds_reducing_ = other.seconds_reducing_;
   return *this;
 }
 
@@ -151,6 +154,7 @@ void Communicator::agree(Agreement& a) const {
     for (double& m : a.maxima) m = std::isnan(m) ? std::numeric_limits<double>::infinity() : m;
     return;
   }
+  const ScopedTimer reducing(seconds_reducing_);
   AgreementOperation& operation = AgreementOperation::instance();
   operation.ensure();
   const std::vector<Unit> mine = to_units(a);

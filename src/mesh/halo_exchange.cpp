@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stiffront/core/error.hpp"
+#include "stiffront/core/timer.hpp"
 
 namespace stiffront {
 
@@ -107,6 +108,7 @@ void HaloExchange::begin(std::span<Field* const> fields) {
 
 void HaloExchange::finish() {
   if (!requests_.empty()) {
+    const ScopedTimer waiting(seconds_waited_);
     check_mpi(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
   }
   for (const Link& link : links_) {

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "stiffront/core/timer.hpp"
+
 namespace stiffront {
 
 ReactionFlow::ReactionFlow(const Decomposition& decomposition, const Boundary& boundary, std::unique_ptr<ReactionSolver> solver)
@@ -13,6 +15,7 @@ ReactionFlow::ReactionFlow(const Decomposition& decomposition, const Boundary& b
 }
 
 std::optional<CellFailure> ReactionFlow::advance(double t, double dt, std::span<const Transition> states, Work& work) {
+  const ScopedTimer timer(seconds_);
   std::optional<CellFailure> first;
   for (const Transition& s : states) {
     auto failure = solver_->advance(t, dt, *s.from, *s.to, free_, hints_, costs_, work);

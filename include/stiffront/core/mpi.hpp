@@ -52,12 +52,15 @@ class Communicator {
 
   /// How many reductions this communicator has done; counted for the run's summary.
   std::int64_t reductions() const { return reductions_; }
+  /// Seconds spent in agreements.
+  double seconds_reducing() const { return seconds_reducing_; }
 
  private:
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int size_ = 1;
   mutable std::int64_t reductions_ = 0;
+  mutable double seconds_reducing_ = 0.0;
 };
 
 }  // namespace stiffront

@@ -42,6 +42,8 @@ class HaloExchange {
   /// Exchanges done so far, and the bytes this rank sent in them.
   std::int64_t count() const { return count_; }
   std::int64_t bytes_sent() const { return bytes_sent_; }
+  /// Seconds spent waiting for messages.
+  double seconds_waited() const { return seconds_waited_; }
 
  private:
   struct Link {
@@ -64,6 +66,7 @@ class HaloExchange {
   std::size_t n_fields_;
   std::int64_t count_ = 0;
   std::int64_t bytes_sent_ = 0;
+  double seconds_waited_ = 0.0;
 };
 
 }  // namespace stiffront

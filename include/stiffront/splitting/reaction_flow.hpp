@@ -21,6 +21,8 @@ class ReactionFlow final : public Flow {
   std::vector<double>& hints() { return hints_; }
   /// Newton iterations each cell needed in the last call.
   const std::vector<float>& costs() const { return costs_; }
+  /// Seconds this rank has spent here.
+  double seconds() const { return seconds_; }
 
  private:
   const Boundary* boundary_;
@@ -28,6 +30,7 @@ class ReactionFlow final : public Flow {
   std::unique_ptr<ReactionSolver> solver_;
   std::vector<double> hints_;
   std::vector<float> costs_;
+  double seconds_ = 0.0;
 };
 
 }  // namespace stiffront
