@@ -64,11 +64,15 @@ bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progre
     record.step = progress.accepted;
     record.t = progress.t;
     // A last step may be a little longer than planned: better than a tiny one after it.
-    const bool lands = progress.t + 1.01 * progress.dt >= target.t;
+    bool lands = progress.t + 1.01 * progress.dt >= target.t;
     const bool cut = lands && target.t - progress.t < 0.999 * progress.dt;
     record.dt = lands ? target.t - progress.t : progress.dt;
     std::uint64_t flags = observer.requests();
     record.attempt = method.attempt(record.t, record.dt, u, u_new, flags);
+    if (record.attempt.accepted && record.attempt.dt_taken > 0.0 && record.attempt.dt_taken != record.dt) {
+      record.dt = record.attempt.dt_taken;
+      lands = false;
+    }
     observer.attempted(record);
     const Attempt& a = record.attempt;
 

@@ -27,6 +27,7 @@ struct Attempt {
   bool accepted = false;
   double error = 0.0;       ///< estimate of the local error in the method's norm; 0 for fixed steps
   double dt_next = 0.0;     ///< size proposed for the next attempt, from here if accepted, from the same time if not
+  double dt_taken = 0.0;    ///< if positive: an accepted attempt went this far instead of dt
   int iterations = 0;       ///< corrections, or the order of a multistep method
   double epsilon = 0.0;     ///< shift of the embedded splitting, where there is one
   double critical_dt = 0.0; ///< critical splitting step, where there is one

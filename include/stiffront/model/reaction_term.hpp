@@ -12,6 +12,8 @@ class ReactionTerm {
   virtual int n_species() const = 0;
   /// du += rates(t, x, y, u) at the points of the box; other points are left alone. Interior only, no communication.
   virtual void add_rates(double t, const Field& u, Field& du, const FreeBox& box) const = 0;
+  /// product += J(t, x, y, u) direction at the points of the box, J the Jacobian of the rates.
+  virtual void add_jacobian_product(double t, const Field& u, const Field& direction, Field& product, const FreeBox& box) const = 0;
   /// A bound on the modulus of the reaction Jacobian's eigenvalues over the box: the largest absolute row sum or column sum,
   /// whichever is smaller, cell by cell.
   virtual double jacobian_bound(double t, const Field& u, const FreeBox& box) const = 0;

@@ -76,6 +76,27 @@ class ModelKernelsOf final : public ModelKernels {
     }
   }
 
+  void add_jacobian_product(double t, const Field& u, const Field& direction, Field& product, const FreeBox& box) const override {
+    constexpr int m = M::n_species;
+    const Decomposition& d = u.decomposition();
+    for (int j = box.j_begin; j < box.j_end; ++j) {
+      for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
+        // One dual variable along the direction: the derivative of the rates is the product.
+        Dual<Pack, 1> v[m];
+        Dual<Pack, 1> dv[m];
+        for (int s = 0; s < m; ++s) {
+          v[s].value = Pack::load_partial(u.row(s, j) + i, n);
+          v[s].derivative[0] = Pack::load_partial(direction.row(s, j) + i, n);
+        }
+        model_.rates(v, dv, place_of_pack(d, t, i, j));
+        for (int s = 0; s < m; ++s) {
+          double* out = product.row(s, j) + i;
+          (Pack::load_partial(out, n) + dv[s].derivative[0]).store_partial(out, n);
+        }
+      });
+    }
+  }
+
   double jacobian_bound(double t, const Field& u, const FreeBox& box) const override {
     constexpr int m = M::n_species;
     using D = Dual<Pack, m>;
