@@ -15,14 +15,22 @@ struct Grid {
   std::array<double, 2> upper{1.0, 1.0};
   std::array<bool, 2> periodic{false, false};
 
+  /// Number of intervals between lower and upper; 0 for the missing direction of one dimension.
+  std::int64_t intervals(int direction) const {
+    const auto d = static_cast<std::size_t>(direction);
+    return periodic[d] ? points[d] : points[d] - 1;
+  }
   double spacing(int direction) const {
     const auto d = static_cast<std::size_t>(direction);
-    const double intervals = static_cast<double>(periodic[d] ? points[d] : points[d] - 1);
-    return (upper[d] - lower[d]) / intervals;
+    return (upper[d] - lower[d]) / static_cast<double>(intervals(direction));
   }
   /// Coordinate of the point with global index i; computed from i alone, so it is the same on every rank.
   double position(int direction, std::int64_t i) const {
     return lower[static_cast<std::size_t>(direction)] + static_cast<double>(i) * spacing(direction);
+  }
+  /// Where point i lies between lower (0) and upper (1): exact at both ends, whatever they are.
+  double fraction(int direction, std::int64_t i) const {
+    return static_cast<double>(i) / static_cast<double>(intervals(direction));
   }
   std::int64_t total_points() const { return points[0] * points[1]; }
 };

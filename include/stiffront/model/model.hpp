@@ -21,11 +21,12 @@ struct Place {
   T y;  ///< 0 in one dimension
 };
 
-/// The place of the pack of cells that starts at local point (i, j). Positions are computed from global indices, lane by lane.
-inline Place<Pack> place_of_pack(const Decomposition& d, double t, int i, int j) {
+/// The place of the pack of n cells that starts at local point (i, j). Positions are computed from global indices, lane by lane; the
+/// lanes beyond the n-th repeat the last cell's, as Pack::load_partial does, so that no lane is evaluated at made-up places.
+inline Place<Pack> place_of_pack(const Decomposition& d, double t, int i, int j, int n = pack_size) {
   const Grid& grid = d.grid();
   Pack index(static_cast<double>(d.offset_x() + i));
-  for (int l = 0; l < pack_size; ++l) index.set(l, index[l] + l);
+  for (int l = 0; l < pack_size; ++l) index.set(l, index[l] + (l < n ? l : n - 1));
   return {t, Pack(grid.lower[0]) + index * Pack(grid.spacing(0)),
           Pack(grid.dimension == 2 ? grid.position(1, d.offset_y() + j) : 0.0)};
 }
@@ -44,6 +45,7 @@ struct Profile {
   const char* name;
   const char* what;
   void (*evaluate)(const M& model, const Grid& grid, std::int64_t i, std::int64_t j, double* u);
+  int dimension = 1;  ///< the least dimension of a grid it makes sense on
 };
 
 /// What a model must have. Rates are templated on the scalar, so that one formula gives values on packs of cells and, through

@@ -15,7 +15,7 @@ class ReactionTerm {
   /// product += J(t, x, y, u) direction at the points of the box, J the Jacobian of the rates.
   virtual void add_jacobian_product(double t, const Field& u, const Field& direction, Field& product, const FreeBox& box) const = 0;
   /// A bound on the modulus of the reaction Jacobian's eigenvalues over the box: the largest absolute row sum or column sum,
-  /// whichever is smaller, cell by cell.
+  /// whichever is smaller, cell by cell; infinity if an entry is not finite.
   virtual double jacobian_bound(double t, const Field& u, const FreeBox& box) const = 0;
   /// One cell in plain doubles.
   virtual void rates_at(double t, double x, double y, const double* u, double* du) const = 0;

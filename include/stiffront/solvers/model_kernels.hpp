@@ -2,6 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -47,6 +48,9 @@ class ModelKernelsOf final : public ModelKernels {
     for (const Profile<M>& p : M::profiles) {
       if (profile != p.name) continue;
       const Decomposition& d = u.decomposition();
+      if (d.grid().dimension < p.dimension) {
+        throw Error(ErrorKind::input, fmt::format("initial.profile: \"{}\" needs a grid of {} dimensions", profile, p.dimension));
+      }
       double cell[M::n_species];
       for (int j = 0; j < u.n_y(); ++j) {
         for (int i = 0; i < u.n_x(); ++i) {
@@ -67,7 +71,7 @@ class ModelKernelsOf final : public ModelKernels {
         Pack v[m];
         Pack dv[m];
         for (int s = 0; s < m; ++s) v[s] = Pack::load_partial(u.row(s, j) + i, n);
-        model_.rates(v, dv, place_of_pack(d, t, i, j));
+        model_.rates(v, dv, place_of_pack(d, t, i, j, n));
         for (int s = 0; s < m; ++s) {
           double* out = du.row(s, j) + i;
           (Pack::load_partial(out, n) + dv[s]).store_partial(out, n);
@@ -102,14 +106,16 @@ class ModelKernelsOf final : public ModelKernels {
     using D = Dual<Pack, m>;
     const Decomposition& d = u.decomposition();
     Pack largest(0.0);
+    Mask finite(true);
     for (int j = box.j_begin; j < box.j_end; ++j) {
       for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
         D v[m];
         D dv[m];
         for (int s = 0; s < m; ++s) v[s] = D::variable(Pack::load_partial(u.row(s, j) + i, n), s);
-        model_.rates(v, dv, place_of_pack(d, t, i, j));
+        model_.rates(v, dv, place_of_pack(d, t, i, j, n));
         Pack row(0.0);
         Pack column(0.0);
+        Pack sum(0.0);
         for (int a = 0; a < m; ++a) {
           Pack along_row(0.0);
           Pack along_column(0.0);
@@ -117,13 +123,16 @@ class ModelKernelsOf final : public ModelKernels {
             along_row += abs(dv[a].derivative[b]);
             along_column += abs(dv[b].derivative[a]);
           }
+          sum += along_row;
           row = max(row, along_row);
           column = max(column, along_column);
         }
+        // A maximum forgets a NaN it has met: the sum of all moduli does not.
+        finite &= is_finite(sum);
         largest = max(largest, min(row, column));
       });
     }
-    return max_lane(largest);
+    return all(finite) ? max_lane(largest) : std::numeric_limits<double>::infinity();
   }
 
   void rates_at(double t, double x, double y, const double* u, double* du) const override { cell_rates(model_, t, x, y, u, du); }

@@ -80,6 +80,6 @@ inline constexpr std::array<Parameter<Bz>, 4> Bz::parameters{
 inline constexpr std::array<Profile<Bz>, 3> Bz::profiles{
     {{"bz-front", "ignited strip near the lower x side, a = b = c = 0 elsewhere", &Bz::front},
      {"bz-ignition", "medium at rest, middle 40th ignited", &Bz::ignition},
-     {"bz-spiral", "ignited wedge around the centre (2-D)", &Bz::spiral}}};
+     {"bz-spiral", "ignited wedge around the centre (2-D)", &Bz::spiral, 2}}};
 
 }  // namespace stiffront
