@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/control/evolve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "stiffront/core/error.hpp"
+
+namespace stiffront {
+namespace {
+
+/// A method that adds dt to the only cell and lets a test decide what becomes of an attempt.
+class CountingMethod final : public Method {
+ public:
+  double first_step(double, double, Field&) override {
+    ++first_steps;
+    return step;
+  }
+  Attempt attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) override {
+    seen_flags |= flags;
+    u_new.at(0, 0) = u.at(0, 0) + dt;
+    Attempt a;
+    a.accepted = true;
+    a.dt_next = step;
+    if (decide) decide(t, dt, a);
+    return a;
+  }
+  void restart(double t) override { restarts.push_back(t); }
+
+  double step = 0.1;
+  int first_steps = 0;
+  std::uint64_t seen_flags = 0;
+  std::vector<double> restarts;
+  std::function<void(double, double, Attempt&)> decide;
+};
+
+class Recorder final : public Observer {
+ public:
+  std::uint64_t requests() override { return request; }
+  void attempted(const StepRecord& r) override { attempts.push_back(r); }
+  void stepped(const StepRecord&, double t_new, Field& u, Field& u_new) override {
+    times.push_back(t_new);
+    EXPECT_NE(u.at(0, 0), u_new.at(0, 0));
+  }
+  bool carry_on(std::uint64_t, std::int64_t step, double, double, Field&) override { return stop_after == 0 || step < stop_after; }
+
+  std::uint64_t request = 0;
+  std::int64_t stop_after = 0;
+  std::vector<StepRecord> attempts;
+  std::vector<double> times;
+};
+
+class EvolveTest : public ::testing::Test {
+ protected:
+  EvolveTest() : comm_(MPI_COMM_SELF), decomposition_(comm_, Grid{1, {2, 1}}, {1, 1}, 1), u_(decomposition_, 1, 0) {
+    schedule_.end = 1.0;
+  }
+
+  bool run() { return evolve(method_, schedule_, u_, progress_, recorder_); }
+
+  Communicator comm_;
+  Decomposition decomposition_;
+  Field u_;
+  CountingMethod method_;
+  Schedule schedule_;
+  Progress progress_;
+  Recorder recorder_;
+};
+
+TEST_F(EvolveTest, ReachesTheEndExactlyWithoutATinyLastStep) {
+  EXPECT_TRUE(run());
+  EXPECT_EQ(progress_.t, 1.0);
+  EXPECT_EQ(recorder_.times.size(), 10U);
+  EXPECT_NEAR(u_.at(0, 0), 1.0, 1e-14);
+}
+
+TEST_F(EvolveTest, LandsOnBreakpointsAndRestartsTheMethodThere) {
+  schedule_.breakpoints = {0.25, 0.777};
+  EXPECT_TRUE(run());
+  EXPECT_EQ(method_.restarts, (std::vector<double>{0.25, 0.777}));
+  for (double t : {0.25, 0.777, 1.0}) EXPECT_EQ(std::count(recorder_.times.begin(), recorder_.times.end(), t), 1) << t;
+  EXPECT_EQ(method_.first_steps, 3);
+}
+
+TEST_F(EvolveTest, ResetsTheTrialStepEveryPeriod) {
+  schedule_.restart_period = 0.5;
+  schedule_.restart_step = 0.01;
+  EXPECT_TRUE(run());
+  EXPECT_EQ(std::count(recorder_.times.begin(), recorder_.times.end(), 0.5), 1);
+  const auto after = std::find_if(recorder_.attempts.begin(), recorder_.attempts.end(), [](const StepRecord& r) { return r.t == 0.5; });
+  ASSERT_NE(after, recorder_.attempts.end());
+  EXPECT_EQ(after->dt, 0.01);
+}
+
+TEST_F(EvolveTest, TakesUpThePlannedStepAgainAfterLandingOnAnOutputTime) {
+  schedule_.landing_times = {0.05};
+  method_.decide = [](double, double dt, Attempt& a) { a.dt_next = 1.2 * dt; };
+  EXPECT_TRUE(run());
+  EXPECT_EQ(recorder_.times[0], 0.05);
+  EXPECT_DOUBLE_EQ(recorder_.attempts[1].dt, 0.1);
+  EXPECT_TRUE(method_.restarts.empty());
+}
+
+TEST_F(EvolveTest, RepeatsARejectedAttemptFromTheSameTimeWithASmallerStep) {
+  bool rejected = false;
+  method_.decide = [&](double t, double dt, Attempt& a) {
+    if (t > 0.45 && !rejected) {
+      rejected = true;
+      a.accepted = false;
+      a.dt_next = 0.5 * dt;
+    }
+  };
+  EXPECT_TRUE(run());
+  EXPECT_EQ(progress_.rejected, 1);
+  const auto bad = std::find_if(recorder_.attempts.begin(), recorder_.attempts.end(), [](const StepRecord& r) { return !r.attempt.accepted; });
+  ASSERT_NE(bad, recorder_.attempts.end());
+  EXPECT_EQ((bad + 1)->t, bad->t);
+  EXPECT_EQ((bad + 1)->dt, 0.5 * bad->dt);
+  EXPECT_NEAR(u_.at(0, 0), 1.0, 1e-14);
+}
+
+TEST_F(EvolveTest, FailsWithTheReasonWhenTheStepUnderflows) {
+  method_.decide = [](double, double dt, Attempt& a) {
+    a.accepted = false;
+    a.dt_next = 0.1 * dt;
+    a.reason = "because";
+  };
+  try {
+    run();
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::numerics);
+    EXPECT_NE(std::string(e.what()).find("because"), std::string::npos);
+  }
+}
+
+TEST_F(EvolveTest, FailsWhenTheNumberOfStepsIsLimited) {
+  schedule_.max_steps = 4;
+  EXPECT_THROW(run(), Error);
+  EXPECT_EQ(progress_.accepted, 4);
+}
+
+TEST_F(EvolveTest, StopsWhenTheObserverAsksAndGoesOnFromThere) {
+  recorder_.stop_after = 3;
+  EXPECT_FALSE(run());
+  EXPECT_EQ(progress_.accepted, 3);
+  recorder_.stop_after = 0;
+  EXPECT_TRUE(run());
+  EXPECT_EQ(recorder_.times.size(), 10U);
+}
+
+TEST_F(EvolveTest, PassesTheObserversRequestsThroughTheAgreement) {
+  recorder_.request = step_flags::first_of_driver;
+  EXPECT_TRUE(run());
+  EXPECT_EQ(method_.seen_flags, step_flags::first_of_driver);
+}
+
+TEST_F(EvolveTest, AcceptsThatAMethodGoesLessFarThanAsked) {
+  method_.decide = [](double t, double dt, Attempt& a) { a.dt_taken = t == 0.0 ? 0.6 * dt : 0.0; };
+  method_.step = 0.5;
+  EXPECT_TRUE(run());
+  EXPECT_DOUBLE_EQ(recorder_.times[0], 0.3);
+  EXPECT_DOUBLE_EQ(recorder_.times[1], 0.8);
+  EXPECT_EQ(progress_.t, 1.0);
+}
+
+}  // namespace
+}  // namespace stiffront
