@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/control/deferred_correction.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "stiffront/control/fixed_step.hpp"
+#include "stiffront/core/error.hpp"
+#include "stiffront/mesh/field_algebra.hpp"
+
+namespace stiffront {
+namespace {
+
+// Below this, in the relative norm, differences of iterates are round-off: the iteration has converged as far as it can.
+constexpr double round_off_floor = 2e-14;
+
+}  // namespace
+
+double DeferredCorrection::stability_limit(int k) {
+  // With exact sub-flows, s = 3, on the negative real axis (our computation; docs/dcs.md). |R_k| grows like |z|^(k-1) beyond.
+  static constexpr std::array<double, 7> limits{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+                                                54.4, 11.5, 7.8, 6.7, 6.0};
+  return limits[static_cast<std::size_t>(std::min(k, 6))];
+}
+
+DeferredCorrection::DeferredCorrection(const Field& shape, CoupledRhs& rhs, ReactionFlow& reaction, Flow& diffusion,
+                                       DeferredCorrectionOptions options)
+    : comm_(&shape.comm()),
+      rhs_(&rhs),
+      reaction_(&reaction),
+      flows_{&reaction, &diffusion},
+      options_(std::move(options)),
+      nodes_(collocation_nodes(NodeFamily::gauss_radau, options_.stages)),
+      composition_(options_.strang ? strang(SplittingOrder::reaction_last) : lie(SplittingOrder::reaction_last)),
+      order_(options_.strang ? 2 : 1),
+      norm_(shape.decomposition(), rhs.diffusion().boundary(), shape.n_species(), options_.species),
+      free_(rhs.free_box()) {
+  for (int i = 0; i < nodes_.size(); ++i) {
+    v_.push_back(shape.similar());
+    f_.push_back(shape.similar());
+    s_.push_back(shape.similar());
+  }
+  if (options_.fixed_step == 0.0) predicted_ = shape.similar();
+}
+
+double DeferredCorrection::first_step(double t, double t_end, Field& u) {
+  rate_ = std::max(comm_->max(rhs_->reaction().jacobian_bound(t, u, free_)), rhs_->diffusion().spectral_radius());
+  if (options_.fixed_step > 0.0) return options_.fixed_step;
+  if (options_.initial_step > 0.0) return std::min(options_.initial_step, t_end - t);
+  const double tenth = 0.1 * (t_end - t);
+  return rate_ * tenth > 1.0 ? 1.0 / rate_ : tenth;
+}
+
+void DeferredCorrection::split(double t, double dt, Field& from, Field& to, Attempt& a) {
+  auto failure = stiffront::advance(flows_, composition_, t, dt, from, to, a.work);
+  if (failure && !a.failure) a.failure = std::move(failure);
+}
+
+/// (15): v_i = S^{dt_i} v_{i-1}. The results are the "old" S v_{i-1} of the first correction.
+void DeferredCorrection::predict(double t, double dt, Field& u, Attempt& a) {
+  for (int i = 0; i < nodes_.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    Field& left = i == 0 ? u : v_[k - 1];
+    split(t + (i == 0 ? 0.0 : nodes_.c[k - 1]) * dt, nodes_.interval(i) * dt, left, s_[k], a);
+    v_[k].copy_interior(s_[k]);
+  }
+}
+
+void DeferredCorrection::evaluate_right_hand_sides(double t, double dt, Attempt& a) {
+  for (std::size_t i = 0; i < v_.size(); ++i) rhs_->evaluate(t + nodes_.c[i] * dt, v_[i], f_[i]);
+  a.work.rhs_evaluations += nodes_.size();
+  a.work.halo_exchanges += nodes_.size();
+}
+
+/// result = u + dt sum w_j f_j.
+void DeferredCorrection::quadrature_to_end(double dt, const Field& u, Field& result) const {
+  std::vector<Term> terms{{1.0, &u}};
+  for (std::size_t j = 0; j < f_.size(); ++j) terms.push_back({dt * nodes_.w[j], &f_[j]});
+  combine(terms, result);
+}
+
+/// (16), from the right-hand sides of the present iterate.
+void DeferredCorrection::correct(double t, double dt, const Field& u, Attempt& a) {
+  const int m = nodes_.size();
+  // What does not need new values, from the last node to the first since each takes its left neighbour's old value.
+  for (int i = m - 1; i >= 0; --i) {
+    const auto k = static_cast<std::size_t>(i);
+    std::vector<Term> terms{{1.0, i == 0 ? &u : &v_[k - 1]}};
+    for (int j = 0; j < m; ++j) terms.push_back({dt * nodes_.between(i, j), &f_[static_cast<std::size_t>(j)]});
+    if (i > 0) terms.push_back({-1.0, &s_[k]});
+    combine(terms, v_[k]);
+  }
+  for (int i = 1; i < m; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    split(t + nodes_.c[k - 1] * dt, nodes_.interval(i) * dt, v_[k - 1], s_[k], a);
+    const Term terms[] = {{1.0, &s_[k]}, {1.0, &v_[k]}};
+    combine(terms, v_[k]);
+  }
+  for (std::size_t k = 0; k < v_.size(); ++k) rhs_->diffusion().boundary().impose(v_[k], t + nodes_.c[k] * dt);
+  ++a.iterations;
+}
+
+Attempt DeferredCorrection::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
+  return options_.fixed_step > 0.0 ? fixed(t, dt, u, u_new, flags) : adaptive(t, dt, u, u_new, flags);
+}
+
+Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
+  Attempt a;
+  predict(t, dt, u, a);
+  for (int k = 1; k <= options_.iterations; ++k) {
+    evaluate_right_hand_sides(t, dt, a);
+    correct(t, dt, u, a);
+  }
+  swap(u_new, v_.back());
+  Agreement agreement(0, 1);
+  agreement.maxima[0] = rhs_->reaction().jacobian_bound(t, u, free_);
+  agreement.flags = flags | inspect(u_new, free_);
+  if (a.failure) agreement.flags |= step_flags::cell_failed;
+  comm_->agree(agreement);
+  flags = agreement.flags;
+  const double z = dt * std::max(agreement.maxima[0], rhs_->diffusion().spectral_radius());
+  if ((flags & (step_flags::cell_failed | step_flags::not_finite)) != 0) {
+    throw Error(ErrorKind::numerics,
+                fmt::format("method.step: {} corrections with the step {:.6g} diverged at t = {:.6g}; the iteration is stable for "
+                            "|z| = {:.3g} <= {:.3g} only: use a step below {:.3g}, fewer iterations or method.tolerance",
+                            options_.iterations, dt, t, z, stability_limit(options_.iterations),
+                            stability_limit(options_.iterations) / z * dt));
+  }
+  a.accepted = true;
+  a.dt_next = options_.fixed_step;
+  return a;
+}
+
+int DeferredCorrection::allowed_iterations(double dt) const {
+  int k = options_.max_iterations;
+  while (k > 1 && rate_ * dt > stability_limit(k)) --k;
+  return k;
+}
+
+Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
+  Attempt a;
+  const double eta = options_.tolerance;
+  const int k_max = allowed_iterations(dt);
+  error_estimates_.clear();
+  step_limits_.clear();
+  predict(t, dt, u, a);
+  predicted_->copy_interior(v_.back());
+
+  double first_residual = 0.0, last_residual = 0.0, zeta = 0.0;
+  double dt_new = 0.5 * dt;
+  for (int k = 0;; ++k) {
+    evaluate_right_hand_sides(t, dt, a);
+    quadrature_to_end(dt, u, u_new);
+    Agreement agreement = norm_.agreement(2);
+    agreement.maxima.push_back(k == 0 ? rhs_->reaction().jacobian_bound(t + dt, v_.back(), free_) : 0.0);
+    norm_.add_difference(u_new, v_.back(), 0, agreement);
+    norm_.add_difference(u_new, *predicted_, 1, agreement);
+    norm_.add_scale(v_.back(), agreement);
+    agreement.flags = flags | inspect(v_.back(), free_);
+    if (a.failure) agreement.flags |= step_flags::cell_failed;
+    comm_->agree(agreement);
+    flags = agreement.flags;
+    if (k == 0) rate_ = std::max(agreement.maxima.back(), rhs_->diffusion().spectral_radius());
+    const double residual = norm_.value(0, agreement);   // e_k
+    const double distance = norm_.value(1, agreement);   // |ubar^k - v_s^0|
+    if ((flags & (step_flags::cell_failed | step_flags::not_finite)) != 0 || !std::isfinite(residual) || !std::isfinite(distance)) {
+      a.reason = (flags & step_flags::cell_failed) != 0 ? "a cell could not be integrated" : "the iterates are not finite";
+      dt_new = 0.5 * dt;
+      break;
+    }
+
+    double error = residual;  // (43) for k = 0
+    double contraction = 0.0; // r = sigma_k dt^k
+    if (k == 0) {
+      first_residual = residual;
+    } else {
+      const bool at_floor = residual < round_off_floor;
+      zeta = residual / (last_residual * dt);
+      step_limits_.push_back(1.0 / zeta);
+      contraction = residual / first_residual;
+      if (!at_floor && (zeta * dt >= 1.0 || contraction >= 1.0)) {
+        a.reason = "the corrections do not converge";
+        dt_new = 0.5 * std::min(dt, 1.0 / zeta);
+        break;
+      }
+      error = at_floor ? residual : contraction / (1.0 - contraction) * distance;
+    }
+    last_residual = residual;
+    a.error = error;
+    error_estimates_.push_back(error);
+
+    // The step for which this iteration count would just meet the tolerance: (47), (44), (46).
+    const double p = order_;
+    if (k == 0) {
+      dt_new = dt * std::pow(eta / std::max(error, round_off_floor), 1.0 / (p + 1.0));
+    } else {
+      const bool published = options_.exponent == DeferredCorrectionOptions::Exponent::published;
+      const double bracket = eta / ((1.0 - contraction) * std::max(error, round_off_floor) + contraction * eta);
+      const double by_k = dt * std::pow(bracket, 1.0 / (published ? k : k + p + 1.0));
+      const double all = options_.max_iterations;
+      const double by_kmax = std::pow(bracket, 1.0 / (published ? all : all + p + 1.0)) * std::pow(zeta * dt, -(all - k) / all) * dt;
+      switch (options_.step_rule) {
+        case DeferredCorrectionOptions::StepRule::k: dt_new = by_k; break;
+        case DeferredCorrectionOptions::StepRule::kmax: dt_new = by_kmax; break;
+        case DeferredCorrectionOptions::StepRule::min: dt_new = std::min(by_k, by_kmax); break;
+      }
+      if (residual >= round_off_floor) dt_new = std::min(dt_new, 1.0 / zeta);
+    }
+    dt_new *= options_.safety;
+
+    if (error <= eta) {
+      a.accepted = true;
+      break;
+    }
+    if (k >= k_max) {
+      a.reason = "the error estimate exceeds the tolerance after all iterations";
+      break;
+    }
+    // Section 5.1: what the remaining iterations can still bring.
+    if (options_.predict && k > 0) {
+      const double expected = std::pow(zeta * dt, k_max - k) * error;
+      if (expected > eta) {
+        a.reason = "the remaining iterations are not expected to reach the tolerance";
+        break;
+      }
+    }
+    correct(t, dt, u, a);
+  }
+
+  // Outside the stable region no larger step may be tried with the iterations just used.
+  const double stable = 0.9 * stability_limit(std::max(a.iterations, 1)) / rate_;
+  a.dt_next = std::min({dt_new, options_.max_growth * dt, std::max(stable, 0.1 * dt)});
+  if (a.accepted) {
+    swap(u_new, v_.back());
+  } else {
+    a.dt_next = std::clamp(a.dt_next, 0.05 * dt, 0.9 * dt);
+  }
+  return a;
+}
+
+void DeferredCorrection::visit_state(StateVisitor& visitor) {
+  visit_flows(visitor, *reaction_, *flows_.diffusion);
+  visitor.number("rate", rate_);
+}
+
+}  // namespace stiffront
