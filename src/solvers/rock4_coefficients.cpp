@@ -58,9 +58,15 @@ Interval interval_map(int stages) {
   double A = 0.0;
   double L = 0.0;
   switch (stages) {
-    case 5: A = -1.0, L = 0.2399199439; break;  // one recurrence coefficient only: A is not determined by the ripples
-    case 6: A = -1.137815338, L = 0.2743065535; break;
-    case 7: A = -1.140728347, L = 0.2950026003; break;
+    case 5:
+      A = -1.0, L = 0.2399199439;
+      break;  // one recurrence coefficient only: A is not determined by the ripples
+    case 6:
+      A = -1.137815338, L = 0.2743065535;
+      break;
+    case 7:
+      A = -1.140728347, L = 0.2950026003;
+      break;
     default:
       A = -1.0930927617 + x * (-3.01595075 + x * (2.97395 + x * 1409.749));
       L = 0.353199420166 + x * (-2.8966659798 + x * (2.4619609063 + x * (-5.38719203 + x * -347.675734)));
@@ -180,9 +186,7 @@ Recurrence solve_order_conditions(const Interval& map, int n) {
 using Trees = std::array<double, 8>;
 
 /// Weights of h f(g) from those of g.
-Trees derivative(const Trees& g) {
-  return {1.0, g[0], g[0] * g[0], g[1], g[0] * g[0] * g[0], g[0] * g[1], g[2], g[3]};
-}
+Trees derivative(const Trees& g) { return {1.0, g[0], g[0] * g[0], g[1], g[0] * g[0] * g[0], g[0] * g[1], g[2], g[3]}; }
 
 /// Weights of g_n, from the rounded coefficients, so that the finishing procedure absorbs every error made so far.
 Trees weights_of_recurrence(const Recurrence& r) {
@@ -245,7 +249,8 @@ void finishing_procedure(const Trees& alpha, Rock4Coefficients& m) {
   m.c = {c1, c1 + y2, c1 + y3, c1 + y4};
 
   // The estimate vanishes on the four trees of order <= 3; d_i is the weight of [tau] in the argument of k_i.
-  const Vector4 d{alpha[1], alpha[1] + c1 * y2, alpha[1] + c1 * y3 + a32 * y2, alpha[1] + c1 * y4 + a42 * y2 + a43 * y3};
+  const Vector4 d{alpha[1], alpha[1] + c1 * y2, alpha[1] + c1 * y3 + a32 * y2,
+                  alpha[1] + c1 * y4 + a42 * y2 + a43 * y3};
   Matrix4 conditions;
   for (std::size_t i = 0; i < 4; ++i) {
     conditions[0][i] = 1.0;

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <deque>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "stiffront/mesh/halo_exchange.hpp"
+#include "stiffront/solvers/flow.hpp"
+#include "stiffront/solvers/rock4_coefficients.hpp"
+#include "stiffront/space/diffusion_operator.hpp"
+
+namespace stiffront {
+
+/// The local error of a step is at most absolute[s] + relative |u_s|, in the root mean square over the evolving points
+/// of all diffusing species.
+struct Rock4Tolerances {
+  double relative = 1e-5;
+  std::vector<double> absolute;  ///< one per species, > 0
+};
+
+/// The diffusion flow du_s/dt = D_s Laplacian(u_s) by the stabilised explicit method ROCK4, order 4.
+///
+/// The stages of a step follow from its length and the exact bound of the spectral radius; no estimate is involved.
+/// States advanced together take the same steps, those the most demanding of them needs. Species with D = 0 are copied.
+///
+/// Rounding errors limit the number of stages to rock4_max_stages(relative), so the cost grows like the spectral
+/// radius, no longer like its square root, when the data ask for steps beyond that: with the rates to be resolved 1e4
+/// times slower than the fastest mode or more.
+///
+/// Dirichlet values that depend on time are taken at the times of the stages, whatever `from` holds there.
+/// @mpi    One halo message per neighbour and stage, carrying all states; one reduction per step attempt.
+/// @throws Error(bug), on every rank, for dt < 0
+/// @cost   per state 4 fields of scratch memory (3 if `to` differs from `from` and one step suffices); a stage streams
+/// 3 arrays
+///         per variable (the last four 2, 3, 4 and 6)
+/// @see    docs/rock4.md
+class Rock4 final : public Flow {
+ public:
+  /// @pre decomposition and diffusion outlive the flow.
+  /// @throws Error(input) for tolerances that are not positive numbers
+  Rock4(const Decomposition& decomposition, const DiffusionOperator& diffusion, Rock4Tolerances tolerances);
+
+  using Flow::advance;
+  std::optional<CellFailure> advance(double t, double dt, std::span<const Transition> states, Work& work) override;
+
+  /// The one number that outlives a call, {first step the next call will try}; 0 before the first call.
+  std::vector<double> state() const override { return {first_step_}; }
+  void set_state(std::span<const double> state) override;
+
+  /// The largest step that needs no more stages than rounding errors allow.
+  double largest_step() const;
+
+ private:
+  /// Which buffer of a state: where the step starts, and four to work in.
+  static constexpr std::size_t start = 0;
+  using Buffers = std::array<Field*, 5>;
+
+  /// Part of the box and whether it needs the halo.
+  struct Tiles {
+    FreeBox interior;            ///< may be computed while messages travel
+    std::vector<FreeBox> edges;  ///< the rest
+  };
+
+  void prepare(std::span<const Transition> states, double t);
+  double attempt(double t, double h, Work& work);
+  void accept(double time);
+  void deliver(std::span<const Transition> states, double time);
+  std::optional<CellFailure> fail(std::span<const Transition> states, double t, double dt, double h,
+                                  const char* reason);
+  Field* scratch(const Field& like);
+  template <class Pass>
+  void stage(std::size_t input, double time, Pass&& pass);
+
+  const Decomposition* decomposition_;
+  const DiffusionOperator* diffusion_;
+  Rock4Tolerances tolerances_;
+  double rho_;
+  int max_stages_;
+  FreeBox free_;
+  double free_variables_;
+  Tiles tiles_;
+  Rock4Table table_;
+  double first_step_ = 0.0;
+
+  std::map<std::size_t, std::unique_ptr<HaloExchange>> exchanges_;  ///< by number of states
+  std::deque<Field> scratch_;
+  std::size_t scratch_used_ = 0;
+  std::vector<Buffers> buffers_;  ///< one per state
+  std::vector<Field*> exchanged_;
+  std::vector<const Field*> kept_;  ///< `from` fields that must not be written
+  std::size_t result_ = start;      ///< buffer that holds the result of the last attempt
+};
+
+}  // namespace stiffront

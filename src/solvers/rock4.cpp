@@ -1,0 +1,449 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/solvers/rock4.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "stiffront/core/error.hpp"
+#include "stiffront/core/mpi.hpp"
+
+namespace stiffront {
+namespace {
+
+/// Like for_each_pack, but all whole packs are aligned: rows are, at their point 0.
+template <class F>
+[[gnu::always_inline]] inline void for_each_aligned_pack(int i_begin, int i_end, F&& f) {
+  int i = i_begin;
+  if (i % pack_size != 0) {
+    const int n = std::min(pack_size - i % pack_size, i_end - i);
+    if (n > 0) f(i, n);
+    i += n;
+  }
+  for_each_pack(i, i_end, f);
+}
+
+[[gnu::always_inline]] inline void store(Pack x, double* to, int n) {
+  if (n == pack_size) {
+    x.store(to);
+  } else {
+    x.store_partial(to, n);
+  }
+}
+
+/// Visits the packs of a tile with the value u and D Laplacian(u). on_row(j) returns what is called with
+/// (i, n, u, laplacian) along row j.
+template <int Order, int Dimension, class OnRow>
+void sweep(const DiffusionOperator& diffusion, const Field& field, int species, const FreeBox& tile, OnRow&& on_row) {
+  const Laplacian<Order, Dimension> laplacian = diffusion.stencil<Order, Dimension>(species, field);
+  for (int j = tile.j_begin; j < tile.j_end; ++j) {
+    const double* const u = field.row(species, j);
+    auto on_pack = on_row(j);
+    for_each_aligned_pack(
+        tile.i_begin, tile.i_end, [&](int i, int n) __attribute__((always_inline)) {
+          const Pack centre = Pack::load(u + i);
+          on_pack(i, n, centre, laplacian(u + i, centre));
+        });
+  }
+}
+
+/// The four finishing stages in terms of their arguments instead of their slopes, so that no slope is stored.
+///
+/// With x_1 = g and x_i = g + h sum_l a_il k_l, every combination of k_1 .. k_{i-1} is one of x_2 - g .. x_i - g.
+struct Finish {
+  double x3_x2;                    ///< x_3 = g + x3_x2 (x_2 - g) + h a_32 k_2
+  double x4_x2, x4_x3;             ///< x_4 = g + x4_x2 (x_2 - g) + x4_x3 (x_3 - g) + h a_43 k_3
+  std::array<double, 3> y, error;  ///< weights of x_2 - g, x_3 - g, x_4 - g in y_1 - g - h b_4 k_4 and in the estimate
+
+  explicit Finish(const Rock4Coefficients& m) {
+    const auto& a = m.a;
+    x3_x2 = a[2][0] / a[1][0];
+    x4_x3 = a[3][1] / a[2][1];
+    x4_x2 = (a[3][0] - x4_x3 * a[2][0]) / a[1][0];
+    y = in_arguments(a, m.b);
+    error = in_arguments(a, m.e);
+    for (double& weight : error) weight *= m.d0;
+  }
+
+ private:
+  /// The weights w with sum_{i<4} weights_i h k_i = sum_i w_i (x_{i+1} - g).
+  static std::array<double, 3> in_arguments(const std::array<std::array<double, 4>, 4>& a,
+                                            const std::array<double, 4>& weights) {
+    const double w4 = weights[2] / a[3][2];
+    const double w3 = (weights[1] - w4 * a[3][1]) / a[2][1];
+    const double w2 = (weights[0] - w4 * a[3][0] - w3 * a[2][0]) / a[1][0];
+    return {w2, w3, w4};
+  }
+};
+
+}  // namespace
+
+Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffusion, Rock4Tolerances tolerances)
+    : decomposition_(&decomposition),
+      diffusion_(&diffusion),
+      tolerances_(std::move(tolerances)),
+      rho_(diffusion.spectral_radius()),
+      max_stages_(rock4_max_stages(tolerances_.relative)),
+      free_(diffusion.boundary().free_box(decomposition)),
+      free_variables_(static_cast<double>(diffusion.boundary().free_points(decomposition.grid())) *
+                      static_cast<double>(diffusion.diffusing_species().size())) {
+  const auto demand_positive = [](double x) {
+    if (!(x > 0.0 && std::isfinite(x)))
+      throw Error(ErrorKind::input, fmt::format("diffusion_solver.tolerance: expected a positive number, got {}", x));
+  };
+  demand_positive(tolerances_.relative);
+  if (tolerances_.absolute.size() != static_cast<std::size_t>(diffusion.n_species()))
+    throw Error(ErrorKind::bug, "ROCK4 needs one absolute tolerance per species");
+  std::for_each(tolerances_.absolute.begin(), tolerances_.absolute.end(), demand_positive);
+
+  // Whole packs next to the sides wait for the halo, so that the interior consists of aligned packs.
+  const int width = diffusion.halo_width();
+  const bool two_dimensional = diffusion.dimension() == 2;
+  bool has_neighbour = false;
+  for (int direction = 0; direction < 2; ++direction) {
+    for (int side : {-1, 1}) {
+      const int rank = decomposition.neighbour(direction == 0 ? side : 0, direction == 1 ? side : 0);
+      has_neighbour = has_neighbour || (rank != MPI_PROC_NULL && rank != decomposition.comm().rank());
+    }
+  }
+  FreeBox inner = free_;
+  inner.i_begin = pack_size;
+  inner.i_end = (decomposition.n_x() - width) / pack_size * pack_size;
+  if (two_dimensional) {
+    inner.j_begin = std::max(width, free_.j_begin);
+    inner.j_end = std::min(decomposition.n_y() - width, free_.j_end);
+  }
+  if (!has_neighbour || inner.i_begin >= inner.i_end || inner.j_begin >= inner.j_end) {
+    tiles_.interior = {0, 0, 0, 0};
+    tiles_.edges = {free_};
+    return;
+  }
+  tiles_.interior = inner;
+  const auto add_edge = [this](int i_begin, int i_end, int j_begin, int j_end) {
+    if (i_begin < i_end && j_begin < j_end) tiles_.edges.push_back({i_begin, i_end, j_begin, j_end});
+  };
+  add_edge(free_.i_begin, free_.i_end, free_.j_begin, inner.j_begin);
+  add_edge(free_.i_begin, inner.i_begin, inner.j_begin, inner.j_end);
+  add_edge(inner.i_end, free_.i_end, inner.j_begin, inner.j_end);
+  add_edge(free_.i_begin, free_.i_end, inner.j_end, free_.j_end);
+}
+
+void Rock4::set_state(std::span<const double> state) {
+  if (state.size() != 1 || !(state[0] >= 0.0)) throw Error(ErrorKind::bug, "the state of ROCK4 is one step size");
+  first_step_ = state[0];
+}
+
+double Rock4::largest_step() const {
+  // A little less, so that the stages computed from step times radius are never one more.
+  return rock4_interval(max_stages_) * (1.0 - 1e-12) / rho_;
+}
+
+Field* Rock4::scratch(const Field& like) {
+  if (scratch_used_ == scratch_.size()) scratch_.push_back(like.similar());
+  return &scratch_[scratch_used_++];
+}
+
+void Rock4::prepare(std::span<const Transition> states, double t) {
+  const Boundary& boundary = diffusion_->boundary();
+  const Field& shape = *states.front().to;
+  if (shape.halo() < diffusion_->halo_width())
+    throw Error(ErrorKind::bug, "the halo is narrower than the diffusion stencil");
+  if (!scratch_.empty() &&
+      (scratch_.front().halo() != shape.halo() || scratch_.front().n_species() != shape.n_species()))
+    scratch_.clear();
+  scratch_used_ = 0;
+  buffers_.assign(states.size(), {});
+  kept_.assign(states.size(), nullptr);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    Buffers& b = buffers_[k];
+    b[start] = states[k].from;
+    std::size_t next = 1;
+    if (states[k].from != states[k].to) {
+      b[next++] = states[k].to;
+      if (boundary.depends_on_time()) {
+        // In a splitting the boundary has run ahead with the other process.
+        b[start] = scratch(shape);
+        for (int s : diffusion_->diffusing_species()) b[start]->copy_interior(*states[k].from, s);
+      } else {
+        kept_[k] = states[k].from;
+      }
+    }
+    while (next < b.size()) b[next++] = scratch(shape);
+    for (std::size_t i = boundary.depends_on_time() ? start : 1; i < b.size(); ++i) boundary.impose(*b[i], t);
+  }
+  auto& exchange = exchanges_[states.size()];
+  if (!exchange) {
+    exchange = std::make_unique<HaloExchange>(*decomposition_, diffusion_->boundary(), diffusion_->n_species(),
+                                              static_cast<int>(states.size()), diffusion_->halo_width(),
+                                              diffusion_->diffusing_species());
+  }
+}
+
+/// Applies pass(state, species, tile) to the whole box; the stencil is applied to the input buffer, which is to be
+/// taken at the given time.
+template <class Pass>
+void Rock4::stage(std::size_t input, double time, Pass&& pass) {
+  HaloExchange& exchange = *exchanges_.at(buffers_.size());
+  exchanged_.clear();
+  for (const Buffers& b : buffers_) {
+    if (input != start && diffusion_->boundary().depends_on_time()) diffusion_->boundary().impose(*b[input], time);
+    exchanged_.push_back(b[input]);
+  }
+  const auto on = [&](const FreeBox* first, const FreeBox* last) {
+    for (std::size_t k = 0; k < buffers_.size(); ++k) {
+      for (int s : diffusion_->diffusing_species()) {
+        for (const FreeBox* tile = first; tile != last; ++tile) pass(k, s, *tile);
+      }
+    }
+  };
+  exchange.begin(exchanged_);
+  on(&tiles_.interior, &tiles_.interior + 1);
+  exchange.finish();
+  on(tiles_.edges.data(), tiles_.edges.data() + tiles_.edges.size());
+}
+
+double Rock4::attempt(double t, double h, Work& work) {
+  for (std::size_t k = 0; k < buffers_.size(); ++k) {
+    for (std::size_t i = 1; i < buffers_[k].size(); ++i) {
+      if (buffers_[k][i] != kept_[k]) continue;
+      // After the first accepted step: the place of the field that must not change is taken by one that may.
+      buffers_[k][i] = scratch(*buffers_[k][start]);
+      diffusion_->boundary().impose(*buffers_[k][i], t);
+    }
+  }
+  const int stages = std::min(rock4_stages(h * rho_), max_stages_);
+  const Rock4Coefficients& m = table_[stages];
+  const Finish finish(m);
+  Agreement agreement(static_cast<int>(buffers_.size()), 0);
+  diffusion_->dispatch([&]<int Order, int Dimension>() {
+    const DiffusionOperator& d = *diffusion_;
+    // out = u + weight f(u): the first stage and the first argument of the finishing procedure.
+    const auto euler = [&](std::size_t u, std::size_t out, double time, double weight) {
+      stage(u, time, [&](std::size_t k, int s, const FreeBox& tile) {
+        const Buffers& b = buffers_[k];
+        sweep<Order, Dimension>(d, *b[u], s, tile, [&, s, w = Pack(weight)](int j) {
+          return [=, to = b[out]->row(s, j)](int i, int n, Pack x, Pack f) { store(mul_add(w, f, x), to + i, n); };
+        });
+      });
+    };
+    // out = u + kappa (before - u) + weight f(u). With nu = 1 - kappa this is the recurrence, but constants pass
+    // exactly and u is rounded once only. `out` may be `before`.
+    const auto recur = [&](std::size_t u, std::size_t before, std::size_t out, double time, double weight,
+                           double kappa) {
+      stage(u, time, [&](std::size_t k, int s, const FreeBox& tile) {
+        const Buffers& b = buffers_[k];
+        sweep<Order, Dimension>(d, *b[u], s, tile, [&, s, w = Pack(weight), kp = Pack(kappa)](int j) {
+          return [=, old = b[before]->row(s, j), to = b[out]->row(s, j)](int i, int n, Pack x, Pack f) {
+            store(x + mul_add(w, f, kp * (Pack::load(old + i) - x)), to + i, n);
+          };
+        });
+      });
+    };
+
+    const std::size_t n = m.mu.size();
+    std::size_t g = 1;
+    std::size_t other = start;
+    euler(start, g, t, h * m.mu[0]);
+    for (std::size_t j = 1; j < n; ++j) {
+      const std::size_t out = j == 1 ? 2 : other;
+      recur(g, other, out, t + m.ct[j] * h, h * m.mu[j], m.kappa[j]);
+      other = g;
+      g = out;
+    }
+    const std::size_t x2 = 3 - g;
+    const std::size_t x3 = 3;
+    const std::size_t x4 = 4;
+    euler(g, x2, t + m.c[0] * h, h * m.a[1][0]);
+    recur(x2, g, x3, t + m.c[1] * h, h * m.a[2][1], 1.0 - finish.x3_x2);
+    stage(x3, t + m.c[2] * h, [&](std::size_t k, int s, const FreeBox& tile) {
+      const Buffers& b = buffers_[k];
+      sweep<Order, Dimension>(d, *b[x3], s, tile,
+                              [&, s, w = Pack(h * m.a[3][2]), w2 = Pack(finish.x4_x2), w3 = Pack(finish.x4_x3)](int j) {
+                                return [=, g_row = b[g]->row(s, j), x2_row = b[x2]->row(s, j), to = b[x4]->row(s, j)](
+                                           int i, int n_lanes, Pack x, Pack f) {
+                                  const Pack base = Pack::load(g_row + i);
+                                  const Pack part = mul_add(w3, x - base, w2 * (Pack::load(x2_row + i) - base));
+                                  store(base + mul_add(w, f, part), to + i, n_lanes);
+                                };
+                              });
+    });
+    stage(x4, t + m.c[3] * h, [&](std::size_t k, int s, const FreeBox& tile) {
+      const Buffers& b = buffers_[k];
+      ReproducibleSum& sum = agreement.sums[k];
+      const Pack relative(tolerances_.relative);
+      const Pack absolute(tolerances_.absolute[static_cast<std::size_t>(s)]);
+      const Pack weight(h * m.b[3]);
+      const Pack error_weight(h * m.d0 * m.e[3]);
+      const Pack d0(m.d0);
+      sweep<Order, Dimension>(d, *b[x4], s, tile, [&, s](int j) {
+        return [&, g_row = b[g]->row(s, j), x2_row = b[x2]->row(s, j), x3_row = b[x3]->row(s, j),
+                y_row = b[start]->row(s, j)](int i, int n_lanes, Pack x, Pack f) {
+          const Pack base = Pack::load(g_row + i);
+          const Pack d2 = Pack::load(x2_row + i) - base;
+          const Pack d3 = Pack::load(x3_row + i) - base;
+          const Pack d4 = x - base;
+          const Pack before = Pack::load(y_row + i);
+          const Pack after =
+              base + mul_add(weight, f,
+                             mul_add(Pack(finish.y[2]), d4, mul_add(Pack(finish.y[1]), d3, Pack(finish.y[0]) * d2)));
+          const Pack in_arguments =
+              mul_add(Pack(finish.error[2]), d4, mul_add(Pack(finish.error[1]), d3, Pack(finish.error[0]) * d2));
+          const Pack estimate = mul_add(error_weight, f, mul_add(d0, before - base, in_arguments));
+          const Pack scaled = estimate / mul_add(relative, max(abs(before), abs(after)), absolute);
+          if (n_lanes == pack_size) {
+            sum.add(scaled * scaled);
+          } else {
+            sum.add(scaled * scaled, Mask::first(n_lanes));
+          }
+          store(after, g_row + i, n_lanes);
+        };
+      });
+    });
+    result_ = g;
+  });
+  work.diffusion_stages += stages;
+  work.halo_exchanges += stages;
+
+  decomposition_->comm().agree(agreement);
+  double largest = 0.0;
+  for (std::size_t k = 0; k < buffers_.size(); ++k) {
+    const double error = std::sqrt(agreement.sums[k].value() / free_variables_);
+    if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, error);
+  }
+  return largest;
+}
+
+void Rock4::accept(double time) {
+  for (Buffers& b : buffers_) {
+    std::swap(b[start], b[result_]);
+    if (diffusion_->boundary().depends_on_time()) diffusion_->boundary().impose(*b[start], time);
+  }
+}
+
+void Rock4::deliver(std::span<const Transition> states, double time) {
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    Field& from = *states[k].from;
+    Field& to = *states[k].to;
+    Field& result = *buffers_[k][start];
+    if (&result != &to) swap(result, to);
+    // What does not diffuse has stayed in the storage of `from`; in place, that is what `result` names now.
+    const Field& old = &from == &to ? result : from;
+    for (int s = 0; s < diffusion_->n_species(); ++s) {
+      if (&old != &to && !(diffusion_->coefficient(s) > 0.0)) to.copy_interior(old, s);
+    }
+    if (diffusion_->boundary().depends_on_time()) diffusion_->boundary().impose(to, time);
+  }
+}
+
+std::optional<CellFailure> Rock4::advance(double t, double dt, std::span<const Transition> states, Work& work) {
+  if (!(dt >= 0.0)) throw Error(ErrorKind::bug, fmt::format("diffusion over a time of {}", dt));
+  if (states.empty()) return std::nullopt;
+  if (!(rho_ > 0.0) || dt == 0.0) {
+    for (const Transition& state : states) {
+      if (state.from != state.to) state.to->copy_interior(*state.from);
+      if (diffusion_->boundary().depends_on_time()) diffusion_->boundary().impose(*state.to, t + dt);
+    }
+    return std::nullopt;
+  }
+  prepare(states, t);
+
+  const double limit = largest_step();
+  double planned = std::min(first_step_ > 0.0 ? first_step_ : rock4_interval(rock4_min_stages) / rho_, limit);
+  double elapsed = 0.0;
+  double last_h = 0.0;  // of the last accepted step; 0: there is none yet
+  double last_error = 0.0;
+  bool just_rejected = false;
+  while (elapsed < dt) {
+    // Steps of one length to the end instead of a short one there: the result is smoother in dt.
+    const double remaining = dt - elapsed;
+    const double steps_left = std::max(std::ceil(remaining / (1.01 * planned)), std::ceil(remaining / limit));
+    const double h = remaining / steps_left;
+    if (h < 1e-13 * dt) return fail(states, t + elapsed, dt, h, "the step of the diffusion solver became too small");
+    const double error = attempt(t + elapsed, h, work);
+    if (!std::isfinite(error)) return fail(states, t + elapsed, dt, h, "diffusion met a value that is not finite");
+
+    const double bounded = std::max(error, 1e-10);
+    double factor = 0.8 / std::sqrt(std::sqrt(bounded));
+    if (error > 1.0) {
+      ++work.diffusion_rejections;
+      planned = h * std::max(0.1, 0.8 * factor);
+      just_rejected = true;
+      continue;
+    }
+    accept(t + elapsed + h);
+    ++work.diffusion_steps;
+    elapsed = steps_left == 1.0 ? dt : elapsed + h;
+    const bool first = last_h == 0.0;
+    if (!first && !just_rejected)
+      factor = std::min(factor, factor * (h / last_h) * std::sqrt(std::sqrt(last_error / bounded)));
+    const double growth = just_rejected ? 1.0 : (first ? 5.0 : 2.0);
+    // A step shortened to meet the end says nothing against the longer one planned.
+    const double ceiling = just_rejected ? h : std::max(growth * h, planned);
+    planned = std::min({std::max(0.1, factor) * h, ceiling, limit});
+    // The next call begins with data of the kind this one began with, often less smooth than those it ended with.
+    if (first) first_step_ = planned;
+    last_h = h;
+    last_error = bounded;
+    just_rejected = false;
+  }
+  deliver(states, t + dt);
+  return std::nullopt;
+}
+
+std::optional<CellFailure> Rock4::fail(std::span<const Transition> states, double t, double dt, double h,
+                                       const char* reason) {
+  // Species that do not diffuse are where they always were, the others where the step began.
+  const auto value = [&](std::size_t k, int s, int i, int j) {
+    return (diffusion_->coefficient(s) > 0.0 ? *buffers_[k][start] : *states[k].from).at(s, i, j);
+  };
+  const Field& shape = *states.front().to;
+  struct {
+    std::size_t k = 0;
+    int i = 0, j = 0;
+  } where;
+  bool found = false;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    for (int j = 0; j < shape.n_y(); ++j) {
+      for (int i = 0; i < shape.n_x(); ++i) {
+        for (int s = 0; s < shape.n_species(); ++s) {
+          if (found || std::isfinite(value(k, s, i, j))) continue;
+          found = true;
+          where = {k, i, j};
+        }
+      }
+    }
+  }
+  // All ranks are here. The one with a value that is not finite reports it; if there is none, the step itself has
+  // failed and each reports its first cell.
+  const bool found_anywhere = decomposition_->comm().max(std::int64_t{found}) != 0;
+  std::optional<CellFailure> failure;
+  if (found || !found_anywhere) {
+    const Grid& grid = decomposition_->grid();
+    failure.emplace();
+    failure->i = decomposition_->offset_x() + where.i;
+    failure->j = decomposition_->offset_y() + where.j;
+    failure->x = grid.position(0, failure->i);
+    failure->y = grid.dimension == 2 ? grid.position(1, failure->j) : 0.0;
+    failure->t = t;
+    failure->dt = h;
+    failure->interval = dt;
+    failure->reason = reason;
+    for (int s = 0; s < shape.n_species(); ++s) failure->state.push_back(value(where.k, s, where.i, where.j));
+  }
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    for (int s = 0; s < shape.n_species(); ++s) {
+      for (int j = 0; j < shape.n_y(); ++j) {
+        for (int i = 0; i < shape.n_x(); ++i) {
+          const double x = value(k, s, i, j);
+          states[k].to->at(s, i, j) = std::isfinite(x) ? x : 0.0;
+        }
+      }
+    }
+  }
+  return failure;
+}
+
+}  // namespace stiffront
