@@ -58,8 +58,7 @@ std::vector<std::string> homes_of(const std::string& name, const std::string& se
   const std::vector<std::string> homes = homes_of(name, section);
   std::string hint = suggestion(name, allowed);
   if (!homes.empty() && homes.size() < 6) hint = fmt::format("; it belongs to {}", fmt::join(homes, " or "));
-  tree.fail(section.empty() ? name : section + "." + name,
-            "unknown key" + with_allowed(hint, where, allowed));
+  tree.fail(section.empty() ? name : section + "." + name, "unknown key" + with_allowed(hint, where, allowed));
 }
 
 /// Every entry of the table is a key, leads to keys, or is claimed by a key "SECTION.*".
@@ -75,7 +74,8 @@ void check_names(const CaseTree& tree, const ConfigNode& table, const std::strin
     }
     if (is_key) continue;
     if (!is_section) refuse_unknown(tree, section, name, method);
-    if (node.type != ConfigNode::Type::table) tree.fail(path, fmt::format("expected a table, got {}", short_text(node)));
+    if (node.type != ConfigNode::Type::table)
+      tree.fail(path, fmt::format("expected a table, got {}", short_text(node)));
     check_names(tree, node, path, method);
   }
 }
@@ -88,7 +88,7 @@ void read_key(const Key& key, Case& c, const CaseTree& tree) {
 
 }  // namespace
 
-Case parse_case(const CaseSource& source, const ModelCatalogue& catalogue) {
+Case parse_case(const CaseSource& source, const std::vector<ModelDescription>& models) {
   ConfigNode root = parse_toml(source.text, source.file);
   for (const std::string& override : source.overrides) apply_override(root, override);
   const CaseTree tree(std::move(root), source.file);
@@ -107,7 +107,7 @@ Case parse_case(const CaseSource& source, const ModelCatalogue& catalogue) {
   for (const Key& key : schema()) {
     if (applies(key, method) && !is_method_name(key)) read_key(key, c, tree);
   }
-  complete(c, tree, catalogue);
+  complete(c, tree, models);
   return c;
 }
 

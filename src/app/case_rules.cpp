@@ -29,7 +29,7 @@ const T* find_entry(const NamedList<T>& list, const std::string& name) {
 /// Names an expression gives a meaning of its own, and words the tables of species have for themselves.
 bool is_reserved(const std::string& name) {
   static const std::vector<std::string> reserved = {
-      "t",   "x",   "y",   "z",   "pi",   "e",    "if",   "min",  "max",  "abs",  "sqrt", "exp",     "log",  "log10",
+      "t",   "x",   "y",   "z",    "pi",   "e",    "if",   "min",  "max",  "abs", "sqrt", "exp",     "log", "log10",
       "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "pow", "type", "profile", "file"};
   return contains(reserved, name);
 }
@@ -45,7 +45,8 @@ constexpr double most_intervals = 1e9;  // in a time span, of outputs or periods
 
 class Completion {
  public:
-  Completion(Case& c, const CaseTree& tree, const ModelCatalogue& catalogue) : c_(c), tree_(tree), catalogue_(catalogue) {}
+  Completion(Case& c, const CaseTree& tree, const std::vector<ModelDescription>& models)
+      : c_(c), tree_(tree), models_(models) {}
 
   void run() {
     required_keys();
@@ -75,7 +76,8 @@ class Completion {
     }
   }
 
-  // [space] and [grid] -------------------------------------------------------------------------------------------------
+  // [space] and [grid]
+  // -------------------------------------------------------------------------------------------------
 
   template <typename T>
   void one_for_each_direction(const std::string& path, std::vector<T>& list, T value) const {
@@ -98,8 +100,9 @@ class Completion {
     for (std::size_t d = 0; d < grid.points.size(); ++d) {
       cells *= static_cast<double>(grid.points[d]);
       if (grid.points[d] < fewest_points(order)) {
-        fail(fmt::format("grid.points[{}]", d), fmt::format("expected at least {} points for differences of order {}, got {}",
-                                                            fewest_points(order), order, grid.points[d]));
+        fail(fmt::format("grid.points[{}]", d),
+             fmt::format("expected at least {} points for differences of order {}, got {}", fewest_points(order), order,
+                         grid.points[d]));
       }
       if (!(grid.upper[d] > grid.lower[d]) || !std::isfinite(grid.upper[d] - grid.lower[d])) {
         fail(tree_.has("grid.upper") ? fmt::format("grid.upper[{}]", d) : fmt::format("grid.lower[{}]", d),
@@ -107,8 +110,9 @@ class Completion {
                          toml_text(grid.upper[d])));
       }
       if (grid.processes[d] > grid.points[d]) {
-        fail(fmt::format("grid.processes[{}]", d), fmt::format("expected at most one process for each of {} points, got {}",
-                                                               grid.points[d], grid.processes[d]));
+        fail(fmt::format("grid.processes[{}]", d),
+             fmt::format("expected at most one process for each of {} points, got {}", grid.points[d],
+                         grid.processes[d]));
       }
     }
     if (cells > most_cells) {
@@ -116,12 +120,13 @@ class Completion {
     }
   }
 
-  // [model] ------------------------------------------------------------------------------------------------------------
+  // [model]
+  // ------------------------------------------------------------------------------------------------------------
 
   void check_species(const std::string& path, const std::string& name) const {
     if (contains(c_.model.species, name)) return;
-    fail(path, "unknown species" + with_allowed(suggestion(name, c_.model.species), " for model " + c_.model.name,
-                                                c_.model.species));
+    fail(path, "unknown species" +
+                   with_allowed(suggestion(name, c_.model.species), " for model " + c_.model.name, c_.model.species));
   }
 
   template <typename T>
@@ -151,40 +156,44 @@ class Completion {
 
   void model() {
     ModelOptions& model = c_.model;
-    const ModelEntry* entry = nullptr;
     if (model.is_custom()) {
       custom_model();
     } else {
-      entry = catalogue_.find(model.name);
-      std::vector<std::string> allowed;
-      for (const ModelEntry& m : catalogue_.models) allowed.push_back(m.name);
-      allowed.emplace_back("custom");
-      if (entry == nullptr) {
-        fail("model.name", "unknown model " + tree_.text("model.name") +
-                               with_allowed(suggestion(model.name, allowed), "", allowed));
-      }
-      built_in_model(*entry);
+      registered_model();
     }
     check_species_names("model.diffusion", model.diffusion);
-    in_order_of_species(model.diffusion, [entry](std::size_t s) { return Value(entry == nullptr ? 0.0 : entry->diffusion[s]); });
+    in_order_of_species(model.diffusion, [this](std::size_t s) {
+      return Value(description_ == nullptr ? 0.0 : description_->diffusion[s]);
+    });
   }
 
-  void built_in_model(const ModelEntry& entry) {
+  void registered_model() {
+    ModelOptions& model = c_.model;
+    std::vector<std::string> allowed;
+    for (const ModelDescription& m : models_) {
+      allowed.push_back(m.name);
+      if (m.name == model.name) description_ = &m;
+    }
+    allowed.emplace_back("custom");
+    if (description_ == nullptr) {
+      fail("model.name",
+           "unknown model " + tree_.text("model.name") + with_allowed(suggestion(model.name, allowed), "", allowed));
+    }
     for (const char* key : {"model.species", "model.reaction", "model.reactions"}) {
       if (tree_.has(key)) fail(key, "only for model.name = \"custom\"");
     }
-    ModelOptions& model = c_.model;
-    model.species = entry.species;
+    model.species = description_->species;
     std::vector<std::string> names;
-    for (const auto& parameter : entry.parameters) names.push_back(parameter.first);
+    for (const auto& parameter : description_->parameters) names.push_back(parameter.name);
     for (const auto& [name, value] : model.parameters) {
       if (contains(names, name)) continue;
       fail("model.parameters." + name,
            "unknown parameter" + with_allowed(suggestion(name, names), " for model " + model.name, names));
     }
-    NamedList<double> parameters = entry.parameters;
-    for (auto& [name, value] : parameters) {
-      if (const double* given = find_entry(model.parameters, name)) value = *given;
+    NamedList<double> parameters;
+    for (const auto& [name, value] : description_->parameters) {
+      const double* given = find_entry(model.parameters, name);
+      parameters.emplace_back(name, given != nullptr ? *given : value);
     }
     model.parameters = std::move(parameters);
   }
@@ -229,7 +238,8 @@ class Completion {
     }
   }
 
-  // [boundary] ---------------------------------------------------------------------------------------------------------
+  // [boundary]
+  // ---------------------------------------------------------------------------------------------------------
 
   void boundary() {
     for (std::size_t d = 0; d < c_.boundary.sides.size(); ++d) {
@@ -259,7 +269,8 @@ class Completion {
     in_order_of_species(side.values, [](std::size_t) { return Value(0.0); });
   }
 
-  // [initial] ----------------------------------------------------------------------------------------------------------
+  // [initial]
+  // ----------------------------------------------------------------------------------------------------------
 
   void initial() {
     InitialOptions& initial = c_.initial;
@@ -269,16 +280,20 @@ class Completion {
       allowed.insert(allowed.end(), c_.model.species.begin(), c_.model.species.end());
       fail("initial." + name, "unknown key" + with_allowed(suggestion(name, allowed), " in [initial]", allowed));
     }
-    const int given = (initial.profile.empty() ? 0 : 1) + (initial.expressions.empty() ? 0 : 1) + (initial.file.empty() ? 0 : 1);
+    const int given =
+        (initial.profile.empty() ? 0 : 1) + (initial.expressions.empty() ? 0 : 1) + (initial.file.empty() ? 0 : 1);
     if (given != 1) {
       fail("initial", fmt::format("{}: profile, or an expression for each species, or file",
                                   given == 0 ? "missing: one of" : "expected only one of"));
     }
     if (!initial.profile.empty()) {
-      const ModelEntry* entry = c_.model.is_custom() ? nullptr : catalogue_.find(c_.model.name);
-      const std::vector<std::string> profiles = entry != nullptr ? entry->profiles : std::vector<std::string>{};
+      std::vector<std::string> profiles;
+      if (description_ != nullptr) {
+        for (const auto& profile : description_->profiles) profiles.push_back(profile.name);
+      }
       if (profiles.empty()) {
-        fail("initial.profile", fmt::format("model {} has no profiles; give an expression for each species", c_.model.name));
+        fail("initial.profile",
+             fmt::format("model {} has no profiles; give an expression for each species", c_.model.name));
       }
       if (!contains(profiles, initial.profile)) {
         fail("initial.profile",
@@ -292,7 +307,8 @@ class Completion {
     }
   }
 
-  // [time] -------------------------------------------------------------------------------------------------------------
+  // [time]
+  // -------------------------------------------------------------------------------------------------------------
 
   void check_increasing(const std::string& path, const std::vector<double>& times, bool ends_included) const {
     double before = c_.time.start;
@@ -300,9 +316,11 @@ class Completion {
       const bool after_start = i == 0 && ends_included ? times[i] >= before : times[i] > before;
       const bool before_end = ends_included ? times[i] <= c_.time.end : times[i] < c_.time.end;
       if (!after_start || !before_end) {
-        expected(fmt::format("{}[{}]", path, i),
-                 fmt::format("increasing times {} {} and {}", ends_included ? "from" : "between", toml_text(c_.time.start),
-                             toml_text(c_.time.end)));
+        const std::string start = toml_text(c_.time.start);
+        const std::string end = toml_text(c_.time.end);
+        expected(fmt::format("{}[{}]", path, i), ends_included
+                                                     ? fmt::format("increasing times from {} to {}", start, end)
+                                                     : fmt::format("increasing times between {} and {}", start, end));
       }
       before = times[i];
     }
@@ -310,7 +328,8 @@ class Completion {
 
   void check_interval(const std::string& path, double interval) const {
     if (interval > 0.0 && span() / interval > most_intervals) {
-      expected(path, fmt::format("a number not below {}, a billionth of the time span", toml_text(span() / most_intervals)));
+      expected(path,
+               fmt::format("a number not below {}, a billionth of the time span", toml_text(span() / most_intervals)));
     }
   }
 
@@ -330,7 +349,8 @@ class Completion {
     check_interval("time.restart_step.period", restart.period);
   }
 
-  // [method] -----------------------------------------------------------------------------------------------------------
+  // [method]
+  // -----------------------------------------------------------------------------------------------------------
 
   void complete_step(double& step) const {
     if (step == 0.0 && c_.converge) step = c_.converge->steps.front();
@@ -349,7 +369,8 @@ class Completion {
       expected(tree_.has("method.beta") ? "method.beta" : "method.gamma",
                fmt::format("beta below gamma = {}", toml_text(o.gamma)));
     }
-    for (std::size_t i = 0; i < o.species.size(); ++i) check_species(fmt::format("method.species[{}]", i), o.species[i]);
+    for (std::size_t i = 0; i < o.species.size(); ++i)
+      check_species(fmt::format("method.species[{}]", i), o.species[i]);
     if (o.species.empty()) o.species = c_.model.species;
   }
 
@@ -371,7 +392,9 @@ class Completion {
 
   void method(SdcOptions& o) const {
     complete_step(o.step);
-    const int order = 2 * o.node_count - (o.nodes == NodeFamily::gauss_legendre ? 0 : o.nodes == NodeFamily::gauss_radau ? 1 : 2);
+    const int order = 2 * o.node_count - (o.nodes == NodeFamily::gauss_legendre ? 0
+                                          : o.nodes == NodeFamily::gauss_radau  ? 1
+                                                                                : 2);
     if (!o.corrections) o.corrections = std::max(0, order - o.starting_order);
   }
 
@@ -391,19 +414,22 @@ class Completion {
     if (!o.linear_solver) o.linear_solver = c_.grid.dimension() == 1 ? LinearSolver::band : LinearSolver::gmres;
   }
 
-  // [output] -----------------------------------------------------------------------------------------------------------
+  // [output]
+  // -----------------------------------------------------------------------------------------------------------
 
   void output() const {
     const OutputOptions& output = c_.output;
     const int given = (output.times.empty() ? 0 : 1) + (output.every > 0.0 ? 1 : 0) + (output.steps > 0 ? 1 : 0);
-    if (given > 1) fail(output.steps > 0 ? "output.steps" : "output.every", "expected only one of times, every and steps");
+    if (given > 1)
+      fail(output.steps > 0 ? "output.steps" : "output.every", "expected only one of times, every and steps");
     check_increasing("output.times", output.times, true);
     check_interval("output.every", output.every);
     for (std::size_t i = 0; i < output.probes.size(); ++i) {
       const std::vector<double>& point = output.probes[i];
       const std::string path = fmt::format("output.probes[{}]", i);
       if (point.size() != c_.grid.points.size()) {
-        expected(path, fmt::format("a point with {} coordinate{}", c_.grid.points.size(), c_.grid.points.size() == 1 ? "" : "s"));
+        expected(path, fmt::format("a point with {} coordinate{}", c_.grid.points.size(),
+                                   c_.grid.points.size() == 1 ? "" : "s"));
       }
       for (std::size_t d = 0; d < point.size(); ++d) {
         if (point[d] >= c_.grid.lower[d] && point[d] <= c_.grid.upper[d]) continue;
@@ -413,19 +439,22 @@ class Completion {
     }
   }
 
-  // [converge] ---------------------------------------------------------------------------------------------------------
+  // [converge]
+  // ---------------------------------------------------------------------------------------------------------
 
   void converge(ConvergeOptions& o) const {
     const std::string& name = method_name(c_.method);
     const std::vector<std::string> with_fixed_step = {"lie", "strang", "dcs", "sdc"};
     if (!contains(with_fixed_step, name)) {
-      fail("converge", fmt::format("method \"{}\" has no fixed step to study; take one of {}", name, comma_list(with_fixed_step)));
+      fail("converge",
+           fmt::format("method \"{}\" has no fixed step to study; take one of {}", name, comma_list(with_fixed_step)));
     }
     for (std::size_t i = 0; i < o.steps.size(); ++i) {
       const std::string path = fmt::format("converge.steps[{}]", i);
       if (o.steps[i] > span()) expected(path, fmt::format("a step not above the time span {}", toml_text(span())));
       const auto here = o.steps.begin() + static_cast<std::ptrdiff_t>(i);
-      if (std::find(o.steps.begin(), here, o.steps[i]) != here) fail(path, fmt::format("{} is there twice", tree_.text(path)));
+      if (std::find(o.steps.begin(), here, o.steps[i]) != here)
+        fail(path, fmt::format("{} is there twice", tree_.text(path)));
     }
     const auto* dcs = std::get_if<DcsOptions>(&c_.method);
     if (dcs == nullptr && !o.iterations.empty()) fail("converge.iterations", "goes with method \"dcs\" only");
@@ -440,20 +469,23 @@ class Completion {
       fail("converge.reference.tolerance", "goes with method = \"cvode\" only");
     }
     if (reference.step.has_value() != (reference.method == "sdc")) {
-      fail("converge.reference.step",
-           reference.step ? "goes with method = \"sdc\" only" : "missing: a positive number, the time step of the reference");
+      fail("converge.reference.step", reference.step ? "goes with method = \"sdc\" only"
+                                                     : "missing: a positive number, the time step of the reference");
     }
     if (reference.method == "cvode" && !reference.tolerance) reference.tolerance = 1e-12;
   }
 
   Case& c_;
   const CaseTree& tree_;
-  const ModelCatalogue& catalogue_;
+  const std::vector<ModelDescription>& models_;
+  const ModelDescription* description_ = nullptr;  // null: custom
 };
 
 }  // namespace
 
-void complete(Case& c, const CaseTree& tree, const ModelCatalogue& catalogue) { Completion(c, tree, catalogue).run(); }
+void complete(Case& c, const CaseTree& tree, const std::vector<ModelDescription>& models) {
+  Completion(c, tree, models).run();
+}
 
 int fewest_points(int order) { return order + 1; }
 

@@ -42,7 +42,7 @@ void CaseTree::fail(const std::string& path, const std::string& message) const {
     const std::size_t end = at.find_last_of(".[");
     at.resize(end == std::string::npos ? 0 : end);
   }
-  throw Error(ErrorKind::input, fmt::format("{}: {}: {}", place, path, message));
+  throw Error(ErrorKind::input, one_line(fmt::format("{}: {}: {}", place, path, message)));
 }
 
 }  // namespace stiffront::app

@@ -30,17 +30,9 @@ void check_nesting(const std::string& text, const std::string& file) {
     if (c == '\n') ++line;
     if (c == '.') ++dots;
     if (c == '\n' || c == '=' || c == ',' || c == '{' || c == '[') dots = 0;
-    if (dots > max_dots_in_a_row) fail(fmt::format("{}:{}: a key has more than {} parts", file, line, max_dots_in_a_row));
+    if (dots > max_dots_in_a_row)
+      fail(fmt::format("{}:{}: a key has more than {} parts", file, line, max_dots_in_a_row));
   }
-}
-
-std::string one_line(std::string_view text) {
-  std::string line;
-  for (const char c : text) {
-    const bool printable = static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
-    line += printable ? c : ' ';
-  }
-  return line;
 }
 
 template <typename T>
@@ -134,11 +126,21 @@ void append_text(const ConfigNode& node, std::string& text) {
   constexpr std::size_t limit = 60;
   if (text.size() > limit) return;
   switch (node.type) {
-    case ConfigNode::Type::boolean: text += toml_text(node.boolean); break;
-    case ConfigNode::Type::integer: text += toml_text(node.integer); break;
-    case ConfigNode::Type::number: text += toml_text(node.number); break;
-    case ConfigNode::Type::string: text += toml_text(node.string); break;
-    case ConfigNode::Type::date: text += node.string; break;
+    case ConfigNode::Type::boolean:
+      text += toml_text(node.boolean);
+      break;
+    case ConfigNode::Type::integer:
+      text += toml_text(node.integer);
+      break;
+    case ConfigNode::Type::number:
+      text += toml_text(node.number);
+      break;
+    case ConfigNode::Type::string:
+      text += toml_text(node.string);
+      break;
+    case ConfigNode::Type::date:
+      text += node.string;
+      break;
     case ConfigNode::Type::array:
       text += '[';
       for (const ConfigNode& element : node.elements) {
@@ -170,6 +172,15 @@ const ConfigNode* ConfigNode::find(std::string_view key) const {
 
 ConfigNode* ConfigNode::find(std::string_view key) {
   return const_cast<ConfigNode*>(static_cast<const ConfigNode*>(this)->find(key));
+}
+
+std::string one_line(std::string_view text) {
+  std::string line;
+  for (const char c : text) {
+    const bool printable = static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
+    line += printable ? c : ' ';
+  }
+  return line;
 }
 
 std::string short_text(const ConfigNode& node) {

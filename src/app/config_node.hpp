@@ -29,6 +29,9 @@ struct ConfigNode {
   ConfigNode* find(std::string_view key);
 };
 
+/// Control characters become spaces.
+std::string one_line(std::string_view text);
+
 /// The value as a user would write it, cut after about 60 characters: for messages.
 std::string short_text(const ConfigNode& node);
 
@@ -36,9 +39,10 @@ std::string short_text(const ConfigNode& node);
 /// @throws Error(input) "FILE:LINE: not valid TOML: ..."
 ConfigNode parse_toml(const std::string& text, const std::string& file);
 
-/// Sets one entry from "dotted.key=VALUE". VALUE is TOML; what is no TOML and does not begin like a TOML string, array or
-/// table is taken as a string. Replaces what the file says there; tables on the way are made.
-/// @throws Error(usage) if it is not of that form, Error(input) if VALUE is broken TOML or the key leads through a value
+/// Sets one entry from "dotted.key=VALUE". VALUE is TOML; what is no TOML and does not begin like a TOML string, array
+/// or table is taken as a string. Replaces what the file says there; tables on the way are made.
+/// @throws Error(usage) if it is not of that form, Error(input) if VALUE is broken TOML or the key leads through a
+/// value
 void apply_override(ConfigNode& root, const std::string& key_value);
 
 }  // namespace stiffront::app

@@ -10,7 +10,7 @@ namespace stiffront::app {
 std::string effective_configuration(const Case& c) {
   std::string text;
   std::string section;
-  std::string table;          // a table inside a section is written inline once it is complete
+  std::string table;  // a table inside a section is written inline once it is complete
   std::string table_entries;
   const auto end_table = [&] {
     if (!table_entries.empty()) text += fmt::format("{} = {{ {} }}\n", table, table_entries);

@@ -38,7 +38,7 @@ std::string table_cell(const std::string& text) {
 std::string default_text(const Key& key, const Case& defaults) {
   if (key.required) return "required";
   if (!key.default_note.empty()) return table_cell(key.default_note);
-  return "`" + table_cell(key.write(defaults)) + "`";
+  return fmt::format("`{}`", table_cell(key.write(defaults)));
 }
 
 std::string row(const Key& key, const Case& defaults) {

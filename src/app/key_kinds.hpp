@@ -45,7 +45,9 @@ auto writer(Get get, ToText to_text) {
 template <typename Get>
 Key number(std::string path, Range range, Get get, std::string doc) {
   Key key(std::move(path), range.words("number"), std::move(doc));
-  key.read = [range, get](Case& c, const ConfigNode& node, const std::string& p) { get(c) = read_number(node, p, range); };
+  key.read = [range, get](Case& c, const ConfigNode& node, const std::string& p) {
+    get(c) = read_number(node, p, range);
+  };
   key.write = writer(get, [](double x) { return toml_text(x); });
   return key;
 }
@@ -107,7 +109,9 @@ Key text(std::string path, std::string expected, Get get, std::string doc) {
 template <typename Get>
 Key word(std::string path, std::vector<std::string> allowed, Get get, std::string doc) {
   Key key = text(std::move(path), quoted_alternatives(allowed), get, std::move(doc));
-  key.read = [get, allowed](Case& c, const ConfigNode& node, const std::string& p) { get(c) = read_word(node, p, allowed); };
+  key.read = [get, allowed](Case& c, const ConfigNode& node, const std::string& p) {
+    get(c) = read_word(node, p, allowed);
+  };
   return key;
 }
 

@@ -19,8 +19,8 @@ constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), true, fal
 }  // namespace
 
 void refuse(const ConfigNode& node, const std::string& path, const std::string& expected, const std::string& hint) {
-  throw Error(ErrorKind::input,
-              fmt::format("{}: {}: expected {}, got {}{}", node.origin, path, expected, short_text(node), hint));
+  throw Error(ErrorKind::input, one_line(fmt::format("{}: {}: expected {}, got {}{}", node.origin, path, expected,
+                                                     short_text(node), hint)));
 }
 
 bool Range::contains(double x) const {
@@ -103,8 +103,8 @@ ReactionOptions read_reaction(const ConfigNode& node, const std::string& path) {
     } else if (name == "rate") {
       reaction.rate = read_value(value, path + ".rate");
     } else {
-      throw Error(ErrorKind::input, fmt::format("{}: {}.{}: unknown key{}", value.origin, path, name,
-                                                with_allowed(suggestion(name, allowed), "", allowed)));
+      throw Error(ErrorKind::input, one_line(fmt::format("{}: {}.{}: unknown key{}", value.origin, path, name,
+                                                         with_allowed(suggestion(name, allowed), "", allowed))));
     }
   }
   for (const std::string& name : allowed) {

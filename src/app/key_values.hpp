@@ -10,8 +10,8 @@
 #include "stiffront/app/options.hpp"
 #include "toml_text.hpp"
 
-/// Reading and writing of single values. Every read_ function throws Error(input) that names the place, the path, what was
-/// expected and what was found.
+/// Reading and writing of single values. Every read_ function throws Error(input) that names the place, the path, what
+/// was expected and what was found.
 namespace stiffront::app {
 
 /// @throws Error(input) "ORIGIN: PATH: expected EXPECTED, got VALUE"

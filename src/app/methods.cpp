@@ -26,9 +26,9 @@ const std::vector<MethodEntry>& methods() {
 }
 
 const std::string& method_name(const MethodOptions& options) {
-  return std::find_if(methods().begin(), methods().end(), [&options](const MethodEntry& entry) {
-           return entry.defaults.index() == options.index();
-         })->name;
+  return std::find_if(methods().begin(), methods().end(),
+                      [&options](const MethodEntry& entry) { return entry.defaults.index() == options.index(); })
+      ->name;
 }
 
 }  // namespace stiffront::app

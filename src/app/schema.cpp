@@ -15,25 +15,30 @@ constexpr Range any{};
 constexpr Range positive{0.0, any.upper, true, false};
 constexpr Range not_negative{0.0, any.upper, false, false};
 constexpr Range fraction{0.0, 1.0, true, false};
+constexpr Range above_one{1.0, any.upper, true, false};
 constexpr Range below_half{0.0, 0.5, true, true};
 constexpr Range from(double lower, double upper) { return {lower, upper, false, false}; }
 
-#define STIFFRONT_OPTION(member) [](auto& c) -> auto& { return c.member; }
-#define STIFFRONT_METHOD(Options, member) [](auto& c) -> auto& { return std::get<Options>(c.method).member; }
-#define STIFFRONT_CONVERGE(member) [](auto& c) -> auto& { return c.converge->member; }
+#define STIFFRONT_OPTION(member) \
+  [](auto& c) -> auto& { return c.member; }
+#define STIFFRONT_METHOD(Options, member) \
+  [](auto& c) -> auto& { return std::get<Options>(c.method).member; }
+#define STIFFRONT_CONVERGE(member) \
+  [](auto& c) -> auto& { return c.converge->member; }
 
 std::vector<Key> grid_keys() {
   return {
-      required(integers("grid.points", "one or two integers, the points in each direction", from(2, 1e9), Empty::refused,
-                        STIFFRONT_OPTION(grid.points),
+      required(integers("grid.points", "one or two integers, the points in each direction", from(2, 1e9),
+                        Empty::refused, STIFFRONT_OPTION(grid.points),
                         "grid points in each direction, end points included; one entry: 1-D, two: 2-D")),
-      with_default(numbers("grid.lower", "one number for each direction", any, Empty::refused, STIFFRONT_OPTION(grid.lower),
-                           "lower end of the domain"),
+      with_default(numbers("grid.lower", "one number for each direction", any, Empty::refused,
+                           STIFFRONT_OPTION(grid.lower), "lower end of the domain"),
                    "0 in each direction"),
-      with_default(numbers("grid.upper", "one number for each direction", any, Empty::refused, STIFFRONT_OPTION(grid.upper),
-                           "upper end of the domain; a periodic direction has no point there and the spacing "
-                           "(upper - lower) / points"),
-                   "1 in each direction"),
+      with_default(
+          numbers("grid.upper", "one number for each direction", any, Empty::refused, STIFFRONT_OPTION(grid.upper),
+                  "upper end of the domain; a periodic direction has no point there and the spacing "
+                  "(upper - lower) / points"),
+          "1 in each direction"),
       with_default(integers("grid.processes", "one integer for each direction", from(0, 1e6), Empty::refused,
                             STIFFRONT_OPTION(grid.processes), "processes in each direction; 0 = chosen by the program"),
                    "0 in each direction"),
@@ -44,10 +49,12 @@ enum class Side { lower, upper, both };
 
 Key boundary_key(std::size_t direction, Side side) {
   const std::string axis(1, "xy"[direction]);
-  Key key("boundary." + axis, R"("neumann", "periodic", "dirichlet" or a table { type = "dirichlet", SPECIES = VALUE, ... })",
-          fmt::format("both sides in {}{}: no flux, periodic, or given values; a value is a number or an expression in t, x, "
-                      "y and the parameters, 0 for a species not named",
-                      axis, direction == 1 ? " (2-D only)" : ""));
+  Key key("boundary." + axis,
+          R"("neumann", "periodic", "dirichlet" or a table { type = "dirichlet", SPECIES = VALUE, ... })",
+          fmt::format(
+              "both sides in {}{}: no flux, periodic, or given values; a value is a number or an expression in t, x, "
+              "y and the parameters, 0 for a species not named",
+              axis, direction == 1 ? " (2-D only)" : ""));
   key.default_note = R"("neumann")";
   if (side != Side::both) {
     const char* name = side == Side::lower ? "lower" : "upper";
@@ -80,10 +87,12 @@ std::vector<Key> boundary_keys() {
 
 std::vector<Key> space_keys() {
   return {
-      integer_of("space.order", {2, 4, 8}, "2, 4 or 8", STIFFRONT_OPTION(space.order), "order of the centred differences"),
-      with_default(integer_of("space.quadrature_order", {2, 4, 8}, "2, 4 or 8", STIFFRONT_OPTION(space.quadrature_order),
-                              "order of the differences in the collocation quadrature of dcs"),
-                   "space.order"),
+      integer_of("space.order", {2, 4, 8}, "2, 4 or 8", STIFFRONT_OPTION(space.order),
+                 "order of the centred differences"),
+      with_default(
+          integer_of("space.quadrature_order", {2, 4, 8}, "2, 4 or 8", STIFFRONT_OPTION(space.quadrature_order),
+                     "order of the differences in the collocation quadrature of dcs"),
+          "space.order"),
   };
 }
 
@@ -145,7 +154,8 @@ Key reactions_key() {
   key.write = [](const Case& c) {
     std::string lines;
     for (const ReactionOptions& reaction : c.model.reactions) {
-      lines += fmt::format("  {{ equation = {}, rate = {} }},\n", toml_text(reaction.equation), value_text(reaction.rate));
+      lines +=
+          fmt::format("  {{ equation = {}, rate = {} }},\n", toml_text(reaction.equation), value_text(reaction.rate));
     }
     return lines.empty() ? "" : "[\n" + lines + "]";
   };
@@ -153,8 +163,9 @@ Key reactions_key() {
 }
 
 std::vector<Key> model_keys() {
-  Key species = with_default(names("model.species", STIFFRONT_OPTION(model.species), "custom only: names of the species"),
-                             "those of the model");
+  Key species =
+      with_default(names("model.species", STIFFRONT_OPTION(model.species), "custom only: names of the species"),
+                   "those of the model");
   species.write = [](const Case& c) { return c.model.is_custom() ? toml_text(c.model.species) : ""; };
   return {
       required(text("model.name", "the name of a model in quotation marks", STIFFRONT_OPTION(model.name),
@@ -190,8 +201,8 @@ Key initial_expressions_key() {
 
 std::vector<Key> initial_keys() {
   return {
-      with_default(text("initial.profile", "the name of a profile in quotation marks", STIFFRONT_OPTION(initial.profile),
-                        "a profile of the model, see `stiffront list models`; or"),
+      with_default(text("initial.profile", "the name of a profile in quotation marks",
+                        STIFFRONT_OPTION(initial.profile), "a profile of the model, see `stiffront list models`; or"),
                    "none"),
       initial_expressions_key(),
       with_default(text("initial.file", "the name of a result file in quotation marks", STIFFRONT_OPTION(initial.file),
@@ -238,12 +249,15 @@ std::vector<Key> adaptive_strang_keys() {
       integer("method.period", from(1, 1e9), STIFFRONT_METHOD(Options, period),
               "accepted steps between two estimates of the critical step"),
       number("method.safety", fraction, STIFFRONT_METHOD(Options, safety), "factor on the step the tolerance allows"),
-      number("method.critical_safety", fraction, STIFFRONT_METHOD(Options, critical_safety), "factor on the critical step"),
+      number("method.critical_safety", fraction, STIFFRONT_METHOD(Options, critical_safety),
+             "factor on the critical step"),
       number("method.beta", fraction, STIFFRONT_METHOD(Options, beta),
              "the shift is adapted when the step leaves [beta, gamma] times the critical step"),
       number("method.gamma", fraction, STIFFRONT_METHOD(Options, gamma), "see beta"),
       number("method.theta", positive, STIFFRONT_METHOD(Options, theta),
              "an adapted shift puts the critical step at theta times the step"),
+      number("method.max_growth", above_one, STIFFRONT_METHOD(Options, max_growth),
+             "largest factor from one trial step to the next"),
       choice("method.order", STIFFRONT_METHOD(Options, order), "which flow a step ends with"),
       with_default(names("method.species", STIFFRONT_METHOD(Options, species), "species that enter the error"), "all"),
   };
@@ -308,7 +322,8 @@ std::vector<Key> sbdf_keys() {
                    "relative_tolerance / 100"),
       integer("method.max_order", from(2, sbdf_max_order), STIFFRONT_METHOD(Options, max_order),
               "highest order used; 2 for models with damped fast oscillations"),
-      integer("method.max_sweeps", from(1, sbdf_max_sweeps), STIFFRONT_METHOD(Options, max_sweeps), "most sweeps in a step"),
+      integer("method.max_sweeps", from(1, sbdf_max_sweeps), STIFFRONT_METHOD(Options, max_sweeps),
+              "most sweeps in a step"),
       number("method.initial_step", not_negative, STIFFRONT_METHOD(Options, initial_step),
              "first step; 0 = chosen by the program"),
   };
@@ -368,7 +383,8 @@ std::vector<Key> method_keys() {
 
 std::vector<Key> solver_keys() {
   return {
-      word("diffusion_solver.name", {"rock4"}, STIFFRONT_OPTION(diffusion_solver.name), "integrator of the diffusion flow"),
+      word("diffusion_solver.name", {"rock4"}, STIFFRONT_OPTION(diffusion_solver.name),
+           "integrator of the diffusion flow"),
       number("diffusion_solver.tolerance", positive, STIFFRONT_OPTION(diffusion_solver.tolerance),
              "its relative and absolute tolerance"),
       choice("reaction_solver.name", STIFFRONT_OPTION(reaction_solver.name), "integrator of the reaction flow"),
@@ -401,7 +417,8 @@ std::vector<Key> output_keys() {
            "where results go; -o on the command line comes first"),
       numbers("output.times", "an array of numbers", any, Empty::allowed, STIFFRONT_OPTION(output.times),
               "times of the states written, increasing; the initial and the final state always are; or"),
-      number("output.every", not_negative, STIFFRONT_OPTION(output.every), "time between two states written; 0 = off; or"),
+      number("output.every", not_negative, STIFFRONT_OPTION(output.every),
+             "time between two states written; 0 = off; or"),
       integer("output.steps", not_negative, STIFFRONT_OPTION(output.steps),
               "accepted steps between two states written; 0 = off"),
       choice("output.mode", STIFFRONT_OPTION(output.mode),
@@ -435,7 +452,8 @@ Key wall_time_key() {
 std::vector<Key> limits_keys() {
   return {
       wall_time_key(),
-      integer("limits.max_steps", not_negative, STIFFRONT_OPTION(limits.max_steps), "most attempted steps; 0 = no limit"),
+      integer("limits.max_steps", not_negative, STIFFRONT_OPTION(limits.max_steps),
+              "most attempted steps; 0 = no limit"),
       number("limits.stall_limit_s", not_negative, STIFFRONT_OPTION(limits.stall_limit_s),
              "a watchdog ends a job in which no step completes for so many seconds; 0 = off"),
   };
@@ -443,12 +461,12 @@ std::vector<Key> limits_keys() {
 
 std::vector<Key> converge_keys() {
   return {
-      required(numbers("converge.steps", "an array of positive numbers", positive, Empty::refused, STIFFRONT_CONVERGE(steps),
-                       "time steps of the study")),
+      required(numbers("converge.steps", "an array of positive numbers", positive, Empty::refused,
+                       STIFFRONT_CONVERGE(steps), "time steps of the study")),
       choice("converge.kind", STIFFRONT_CONVERGE(kind),
              "\"global\": the whole time span; \"local\": one step from the initial state"),
-      integers("converge.iterations", "an array of integers", from(0, 20), Empty::allowed, STIFFRONT_CONVERGE(iterations),
-               "dcs only: one column for each number of corrections"),
+      integers("converge.iterations", "an array of integers", from(0, 20), Empty::allowed,
+               STIFFRONT_CONVERGE(iterations), "dcs only: one column for each number of corrections"),
       with_default(word("converge.reference.method", {"cvode", "sdc"}, STIFFRONT_CONVERGE(reference.method),
                         "method of the reference solution; or"),
                    "none"),
@@ -483,8 +501,8 @@ Key title_key() {
 const std::vector<Key>& schema() {
   static const std::vector<Key> keys = [] {
     std::vector<Key> all = {title_key()};
-    for (auto* section : {grid_keys, boundary_keys, space_keys, model_keys, initial_keys, time_keys, method_keys, solver_keys,
-                          output_keys, limits_keys, converge_keys}) {
+    for (auto* section : {grid_keys, boundary_keys, space_keys, model_keys, initial_keys, time_keys, method_keys,
+                          solver_keys, output_keys, limits_keys, converge_keys}) {
       for (Key& key : section()) all.push_back(std::move(key));
     }
     return all;

@@ -20,7 +20,7 @@ struct Key {
   std::string doc;           ///< one line
   std::string default_note;  ///< says what the default is where it depends on something else
   bool required = false;
-  std::string method;        ///< the one method it belongs to; empty: to every case
+  std::string method;           ///< the one method it belongs to; empty: to every case
   bool entry_per_line = false;  ///< `write` gives lines "name = value" instead of one value
   std::function<void(Case&, const ConfigNode&, const std::string& path)> read;
   std::function<std::string(const Case&)> write;  ///< TOML; empty: nothing to say

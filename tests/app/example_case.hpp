@@ -5,23 +5,22 @@
 
 #include "stiffront/app/case_file.hpp"
 
-/// A catalogue and a case that the tests of this area vary.
+/// Models and cases that the tests of this area vary.
 namespace stiffront::app {
 
-inline ModelCatalogue example_catalogue() {
-  ModelCatalogue catalogue;
-  catalogue.models.push_back({"bz",
-                              "Belousov-Zhabotinsky",
-                              "Field and Noyes 1974",
-                              {"a", "b", "c"},
-                              {{"epsilon", 1e-2}, {"mu", 1e-5}, {"f", 1.6}, {"q", 2e-3}},
-                              {2.5e-3, 2.5e-3, 1.5e-3},
-                              {"bz-front", "bz-ignition", "bz-spiral"}});
-  catalogue.models.push_back({"kpp", "travelling wave", "Kolmogorov et al. 1937", {"u"}, {{"k", 1.0}}, {1.0}, {"kpp-front"}});
-  return catalogue;
+inline std::vector<ModelDescription> example_models() {
+  std::vector<ModelDescription> models;
+  models.push_back({"bz",
+                    "Field and Noyes 1974",
+                    {"a", "b", "c"},
+                    {{"epsilon", 1e-2}, {"mu", 1e-5}, {"f", 1.6}, {"q", 2e-3}},
+                    {2.5e-3, 2.5e-3, 1.5e-3},
+                    {{"bz-front", "a wave"}, {"bz-ignition", "two waves"}, {"bz-spiral", "a spiral"}}});
+  models.push_back({"kpp", "Kolmogorov et al. 1937", {"u"}, {{"k", 1.0}}, {1.0}, {{"kpp-front", "a wave"}}});
+  return models;
 }
 
-inline const char* example_text = R"(title = "A wave"
+inline const char* example_text = R"toml(title = "A wave"
 [grid]
 points = [101]
 [model]
@@ -34,9 +33,9 @@ end = 2.0
 [method]
 name = "adaptive-strang"
 tolerance = 1e-5
-)";
+)toml";
 
-inline const char* custom_text = R"([grid]
+inline const char* custom_text = R"toml([grid]
 points = [33, 65]
 upper = [1, 2]
 [model]
@@ -55,9 +54,9 @@ end = 2
 [method]
 name = "strang"
 step = 1e-3
-)";
+)toml";
 
-inline const char* network_text = R"([grid]
+inline const char* network_text = R"toml([grid]
 points = [33]
 [model]
 name = "custom"
@@ -73,10 +72,10 @@ u = 1
 v = 0
 [time]
 end = 2
-)";
+)toml";
 
 inline Case parse_example(const std::vector<std::string>& overrides = {}, const std::string& text = example_text) {
-  return parse_case({"bz.toml", text, overrides}, example_catalogue());
+  return parse_case({"bz.toml", text, overrides}, example_models());
 }
 
 }  // namespace stiffront::app

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "stiffront/app/model_catalogue.hpp"
 #include "stiffront/app/options.hpp"
+#include "stiffront/model/model.hpp"
 
 namespace stiffront::app {
 
@@ -15,13 +15,15 @@ struct CaseSource {
   std::vector<std::string> overrides;  ///< "dotted.key=VALUE", applied in this order
 };
 
-/// Reads a case: defaults, then the file, then the overrides, each of which replaces the value at its key. The result is
-/// complete: nothing in it depends on a default any more.
+/// Reads a case: defaults, then the file, then the overrides, each of which replaces the value at its key. The result
+/// is complete: nothing in it depends on a default any more.
+///
+/// @param models those a case may name: ModelRegistry::descriptions()
 ///
 /// Depends on nothing but its arguments, so ranks that hold the same source get the same case or the same error.
 /// @throws Error(input) with one line: file, line, key, what is wrong, what is allowed.
 ///         Error(usage) if an override is not of the form KEY=VALUE.
-Case parse_case(const CaseSource& source, const ModelCatalogue& catalogue);
+Case parse_case(const CaseSource& source, const std::vector<ModelDescription>& models);
 
 /// The complete case as TOML. parse_case of it gives the same options, bit by bit.
 std::string effective_configuration(const Case& c);

@@ -8,8 +8,12 @@
 #include <variant>
 #include <vector>
 
-/// Every entry of a case file as plain data, with its default. docs/input.md, made from the same table that parses a case
-/// file, says what each one means. All times are in the model's time unit, lengths in its length unit.
+#include "stiffront/control/sbdf_tables.hpp"
+#include "stiffront/mesh/boundary.hpp"
+#include "stiffront/splitting/composition.hpp"
+
+/// Every entry of a case file as plain data, with its default. docs/input.md, made from the same table that parses a
+/// case file, says what each one means. All times are in the model's time unit, lengths in its length unit.
 namespace stiffront::app {
 
 /// Name and value pairs in the order the user wrote them.
@@ -25,20 +29,18 @@ using Tolerance = std::variant<double, NamedList<double>>;
 /// [grid]: vertex-centred uniform grid; one entry per direction, x first.
 struct GridOptions {
   std::vector<std::int64_t> points;
-  std::vector<double> lower;              ///< default 0
-  std::vector<double> upper;              ///< default 1
-  std::vector<std::int64_t> processes;    ///< ranks per direction; 0 = chosen by the program
+  std::vector<double> lower;            ///< default 0
+  std::vector<double> upper;            ///< default 1
+  std::vector<std::int64_t> processes;  ///< ranks per direction; 0 = chosen by the program
 
   int dimension() const { return static_cast<int>(points.size()); }
   bool operator==(const GridOptions&) const = default;
 };
 
-enum class BoundaryKind { neumann, periodic, dirichlet };
-
 /// What holds on one side of the domain.
 struct SideOptions {
   BoundaryKind kind = BoundaryKind::neumann;
-  NamedList<Value> values;                ///< dirichlet: one entry per species, in the model's order
+  NamedList<Value> values;  ///< dirichlet: one entry per species, in the model's order
 
   bool operator==(const SideOptions&) const = default;
 };
@@ -53,7 +55,7 @@ struct BoundaryOptions {
 /// [space]
 struct SpaceOptions {
   int order = 2;
-  std::optional<int> quadrature_order;    ///< complete case: always set
+  std::optional<int> quadrature_order;  ///< complete case: always set
 
   bool operator==(const SpaceOptions&) const = default;
 };
@@ -69,11 +71,11 @@ struct ReactionOptions {
 /// [model]. In a complete case `parameters` and `diffusion` have every entry of the model.
 struct ModelOptions {
   std::string name;
-  std::vector<std::string> species;       ///< the model's own, or those of a custom model
+  std::vector<std::string> species;  ///< the model's own, or those of a custom model
   NamedList<double> parameters;
-  NamedList<Value> diffusion;             ///< one entry per species, in the order of `species`
-  NamedList<std::string> reaction;        ///< custom: one expression per species, in the order of `species`
-  std::vector<ReactionOptions> reactions; ///< custom: a reaction network instead
+  NamedList<Value> diffusion;              ///< one entry per species, in the order of `species`
+  NamedList<std::string> reaction;         ///< custom: one expression per species, in the order of `species`
+  std::vector<ReactionOptions> reactions;  ///< custom: a reaction network instead
 
   bool is_custom() const { return name == "custom"; }
   bool operator==(const ModelOptions&) const = default;
@@ -82,7 +84,7 @@ struct ModelOptions {
 /// [initial]: exactly one of the three is given.
 struct InitialOptions {
   std::string profile;
-  NamedList<Value> expressions;           ///< one entry per species, in the model's order
+  NamedList<Value> expressions;  ///< one entry per species, in the model's order
   std::string file;
 
   bool operator==(const InitialOptions&) const = default;
@@ -92,18 +94,15 @@ struct InitialOptions {
 struct TimeOptions {
   double start = 0.0;
   double end = 0.0;
-  std::vector<double> breakpoints;        ///< increasing, inside (start, end)
+  std::vector<double> breakpoints;  ///< increasing, inside (start, end)
   struct RestartStep {
-    double period = 0.0;                  ///< 0 = never
+    double period = 0.0;  ///< 0 = never
     double step = 0.0;
     bool operator==(const RestartStep&) const = default;
   } restart_step;
 
   bool operator==(const TimeOptions&) const = default;
 };
-
-/// Which flow a splitting ends with.
-enum class SplittingOrder { reaction_last, diffusion_last };
 
 /// method.name = "lie"
 struct LieOptions {
@@ -121,42 +120,45 @@ struct StrangOptions {
   bool operator==(const StrangOptions&) const = default;
 };
 
-/// method.name = "adaptive-strang" (Descombes, Duarte, Dumont, Louvet, Massot, Confluentes Math. 3(3), 2011, section 5.3)
+/// method.name = "adaptive-strang" (Descombes, Duarte, Dumont, Louvet, Massot, Confluentes Math. 3(3), 2011,
+/// section 5.3)
 struct AdaptiveStrangOptions {
-  double tolerance = 1e-4;                ///< eta
-  double initial_step = 0.0;              ///< 0 = chosen by the program
-  double epsilon = 0.05;                  ///< shift of the embedded splitting, at the start
-  double epsilon_max = 0.49;              ///< below 1/2: beyond it a substep of the reaction would run backwards
+  double tolerance = 1e-4;    ///< eta
+  double initial_step = 0.0;  ///< 0 = chosen by the program
+  double epsilon = 0.05;      ///< shift of the embedded splitting, at the start
+  double epsilon_max = 0.49;  ///< below 1/2: beyond it a substep of the reaction would run backwards
   bool critical_step = true;
-  int period = 10;                        ///< N: accepted steps between two estimates of the critical step
-  double safety = 0.9;                    ///< upsilon
-  double critical_safety = 0.9;           ///< zeta
+  int period = 10;               ///< N: accepted steps between two estimates of the critical step
+  double safety = 0.9;           ///< upsilon
+  double critical_safety = 0.9;  ///< zeta
   double beta = 0.1;
   double gamma = 0.95;
   double theta = 10.0;
+  double max_growth = 5.0;  ///< of the step from one attempt to the next
   SplittingOrder order = SplittingOrder::reaction_last;
-  std::vector<std::string> species;       ///< those that enter the error; complete case: never empty
+  std::vector<std::string> species;  ///< those that enter the error; complete case: never empty
 
   bool operator==(const AdaptiveStrangOptions&) const = default;
 };
 
 enum class Splitting { lie, strang };
 
-/// Which rule gives the next step of DC-S: with the corrections done, with the most that may be done, or the smaller one.
+/// Which rule gives the next step of DC-S: with the corrections done, with the most that may be done, or the smaller
+/// one.
 enum class StepRule { k, kmax, min };
 
 /// method.name = "dcs" (Duarte, Emmett, deferred correction of splittings). Exactly one of tolerance and step is set.
 struct DcsOptions {
-  std::optional<double> tolerance;        ///< eta
+  std::optional<double> tolerance;  ///< eta
   std::optional<double> step;
   Splitting splitting = Splitting::lie;
-  int stages = 3;                         ///< of Radau IIA
-  std::optional<int> max_iterations;      ///< complete case: always set
-  std::optional<int> iterations;          ///< fixed number, with step; complete case: set if step is
+  int stages = 3;                     ///< of Radau IIA
+  std::optional<int> max_iterations;  ///< complete case: always set
+  std::optional<int> iterations;      ///< fixed number, with step; complete case: set if step is
   StepRule step_rule = StepRule::k;
-  double safety = 0.9;                    ///< nu
+  double safety = 0.9;  ///< nu
   bool predict = true;
-  double initial_step = 0.0;              ///< 0 = chosen by the program
+  double initial_step = 0.0;  ///< 0 = chosen by the program
 
   bool operator==(const DcsOptions&) const = default;
 };
@@ -170,7 +172,7 @@ struct SdcOptions {
   int node_count = 4;
   double step = 0.0;
   int starting_order = 2;
-  std::optional<int> corrections;         ///< complete case: always set
+  std::optional<int> corrections;  ///< complete case: always set
   bool consistent = true;
   double gamma_diffusion = 2.0;
   double gamma_advection = 0.0;
@@ -182,10 +184,10 @@ struct SdcOptions {
 /// method.name = "sbdf"
 struct SbdfOptions {
   double relative_tolerance = 1e-4;
-  std::optional<Tolerance> absolute_tolerance;   ///< complete case: always set
-  int max_order = 5;
-  int max_sweeps = 10;
-  double initial_step = 0.0;              ///< 0 = chosen by the program
+  std::optional<Tolerance> absolute_tolerance;  ///< complete case: always set
+  int max_order = sbdf_max_order;
+  int max_sweeps = sbdf_max_sweeps;
+  double initial_step = 0.0;  ///< 0 = chosen by the program
 
   bool operator==(const SbdfOptions&) const = default;
 };
@@ -195,8 +197,8 @@ enum class LinearSolver { band, gmres };
 /// method.name = "cvode"
 struct CvodeOptions {
   double relative_tolerance = 1e-6;
-  std::optional<Tolerance> absolute_tolerance;   ///< complete case: always set
-  std::optional<LinearSolver> linear_solver;     ///< complete case: always set
+  std::optional<Tolerance> absolute_tolerance;  ///< complete case: always set
+  std::optional<LinearSolver> linear_solver;    ///< complete case: always set
 
   bool operator==(const CvodeOptions&) const = default;
 };
@@ -209,8 +211,8 @@ struct AutoOptions {
 };
 
 /// [method]: the alternative is the name.
-using MethodOptions = std::variant<AdaptiveStrangOptions, LieOptions, StrangOptions, DcsOptions, SdcOptions, SbdfOptions,
-                                   CvodeOptions, AutoOptions>;
+using MethodOptions = std::variant<AdaptiveStrangOptions, LieOptions, StrangOptions, DcsOptions, SdcOptions,
+                                   SbdfOptions, CvodeOptions, AutoOptions>;
 
 /// [diffusion_solver]
 struct DiffusionSolverOptions {
@@ -239,8 +241,8 @@ enum class OnFailure { stop, proceed };
 
 /// output.checkpoint
 struct CheckpointOptions {
-  double every_seconds = 600.0;           ///< 0 = never
-  std::int64_t every_steps = 0;           ///< 0 = never
+  double every_seconds = 600.0;  ///< 0 = never
+  std::int64_t every_steps = 0;  ///< 0 = never
   int keep = 2;
   bool at_end = false;
   OnFailure on_failure = OnFailure::stop;
@@ -251,9 +253,9 @@ struct CheckpointOptions {
 /// [output]: at most one of times, every and steps is given.
 struct OutputOptions {
   std::string directory = "out";
-  std::vector<double> times;              ///< increasing, inside [start, end]
-  double every = 0.0;                     ///< 0 = off
-  std::int64_t steps = 0;                 ///< 0 = off
+  std::vector<double> times;  ///< increasing, inside [start, end]
+  double every = 0.0;         ///< 0 = off
+  std::int64_t steps = 0;     ///< 0 = off
   OutputMode mode = OutputMode::interpolate;
   std::vector<std::vector<double>> probes;
   CheckpointOptions checkpoint;
@@ -263,9 +265,9 @@ struct OutputOptions {
 
 /// [limits]
 struct LimitsOptions {
-  double wall_time = 0.0;                 ///< seconds; 0 = none
-  std::int64_t max_steps = 0;             ///< 0 = none
-  double stall_limit_s = 600.0;           ///< 0 = none
+  double wall_time = 0.0;        ///< seconds; 0 = none
+  std::int64_t max_steps = 0;    ///< 0 = none
+  double stall_limit_s = 600.0;  ///< 0 = none
 
   bool operator==(const LimitsOptions&) const = default;
 };
@@ -274,9 +276,9 @@ enum class ConvergenceKind { global, local };
 
 /// converge.reference: exactly one of method and file is given.
 struct ReferenceOptions {
-  std::string method;                     ///< "cvode" or "sdc"
-  std::optional<double> tolerance;        ///< cvode; complete case: set for it
-  std::optional<double> step;             ///< sdc
+  std::string method;               ///< "cvode" or "sdc"
+  std::optional<double> tolerance;  ///< cvode; complete case: set for it
+  std::optional<double> step;       ///< sdc
   std::string file;
 
   bool operator==(const ReferenceOptions&) const = default;
@@ -286,7 +288,7 @@ struct ReferenceOptions {
 struct ConvergeOptions {
   std::vector<double> steps;
   ConvergenceKind kind = ConvergenceKind::global;
-  std::vector<int> iterations;            ///< dcs only
+  std::vector<int> iterations;  ///< dcs only
   ReferenceOptions reference;
 
   bool operator==(const ConvergeOptions&) const = default;
@@ -308,9 +310,9 @@ struct Case {
   LimitsOptions limits;
   std::optional<ConvergeOptions> converge;
 
-  std::string file;                       ///< as the user named it, for messages
-  std::string text;                       ///< the case file as it was read
-  std::vector<std::string> overrides;     ///< KEY=VALUE in the order given
+  std::string file;                    ///< as the user named it, for messages
+  std::string text;                    ///< the case file as it was read
+  std::vector<std::string> overrides;  ///< KEY=VALUE in the order given
 
   /// Equal options; where they came from does not matter.
   bool same_options(const Case& other) const;

@@ -6,8 +6,8 @@
 
 namespace stiffront::app {
 
-/// The name of `allowed` that `word` most likely means; empty if none is near. Letter case counts for nothing; a distance
-/// of one edit (insertion, deletion, change, swap of neighbours) in three letters is near.
+/// The name of `allowed` that `word` most likely means; empty if none is near. Letter case counts for nothing; a
+/// distance of one edit (insertion, deletion, change, swap of neighbours) in three letters is near.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& allowed);
 
 /// "; did you mean NAME?" or nothing.
