@@ -108,6 +108,26 @@ ModelDescription describe() {
   return d;
 }
 
+/// Rates and exact Jacobian of a pack of cells together: jacobian[i][j] = d rates_i / d u_j. Kernels call this one; it uses duals
+/// unless the model has a member of the same name and arguments (models whose formulas are data know their derivatives).
+template <Model M>
+void rates_and_jacobian(const M& model, const Pack* u, Pack* du, Pack (*jacobian)[M::n_species], const Place<Pack>& place) {
+  if constexpr (requires { model.rates_and_jacobian(u, du, jacobian, place); }) {
+    model.rates_and_jacobian(u, du, jacobian, place);
+  } else {
+    constexpr int n = M::n_species;
+    using D = Dual<Pack, n>;
+    D v[n];
+    D dv[n];
+    for (int i = 0; i < n; ++i) v[i] = D::variable(u[i], i);
+    model.rates(v, dv, place);
+    for (int i = 0; i < n; ++i) {
+      du[i] = dv[i].value;
+      for (int j = 0; j < n; ++j) jacobian[i][j] = dv[i].derivative[j];
+    }
+  }
+}
+
 /// Rates and Jacobian of one cell in plain doubles; jacobian[i*n + j] is d rates_i / d u_j.
 template <Model M>
 void cell_rates(const M& m, double t, double x, double y, const double* u, double* du) {

@@ -103,16 +103,16 @@ class ModelKernelsOf final : public ModelKernels {
 
   double jacobian_bound(double t, const Field& u, const FreeBox& box) const override {
     constexpr int m = M::n_species;
-    using D = Dual<Pack, m>;
     const Decomposition& d = u.decomposition();
     Pack largest(0.0);
     Mask finite(true);
     for (int j = box.j_begin; j < box.j_end; ++j) {
       for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
-        D v[m];
-        D dv[m];
-        for (int s = 0; s < m; ++s) v[s] = D::variable(Pack::load_partial(u.row(s, j) + i, n), s);
-        model_.rates(v, dv, place_of_pack(d, t, i, j, n));
+        Pack v[m];
+        Pack dv[m];
+        Pack jacobian[m][m];
+        for (int s = 0; s < m; ++s) v[s] = Pack::load_partial(u.row(s, j) + i, n);
+        rates_and_jacobian(model_, v, dv, jacobian, place_of_pack(d, t, i, j, n));
         Pack row(0.0);
         Pack column(0.0);
         Pack sum(0.0);
@@ -120,8 +120,8 @@ class ModelKernelsOf final : public ModelKernels {
           Pack along_row(0.0);
           Pack along_column(0.0);
           for (int b = 0; b < m; ++b) {
-            along_row += abs(dv[a].derivative[b]);
-            along_column += abs(dv[b].derivative[a]);
+            along_row += abs(jacobian[a][b]);
+            along_column += abs(jacobian[b][a]);
           }
           sum += along_row;
           row = max(row, along_row);
