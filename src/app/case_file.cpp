@@ -10,7 +10,7 @@
 #include "case_tree.hpp"
 #include "schema.hpp"
 #include "stiffront/app/methods.hpp"
-#include "stiffront/app/spelling.hpp"
+#include "stiffront/core/spelling.hpp"
 
 namespace stiffront::app {
 namespace {

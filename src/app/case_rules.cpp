@@ -10,7 +10,7 @@
 
 #include "schema.hpp"
 #include "stiffront/app/methods.hpp"
-#include "stiffront/app/spelling.hpp"
+#include "stiffront/core/spelling.hpp"
 #include "toml_text.hpp"
 
 namespace stiffront::app {

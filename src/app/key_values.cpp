@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "choices.hpp"
-#include "stiffront/app/spelling.hpp"
 #include "stiffront/core/error.hpp"
+#include "stiffront/core/spelling.hpp"
 
 namespace stiffront::app {
 namespace {
