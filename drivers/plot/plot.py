@@ -10,6 +10,7 @@ import argparse
 import csv
 import math
 import os
+import re
 import sys
 
 try:
@@ -46,7 +47,7 @@ class PlotError(Exception):
 
 
 class State:
-    """One fields-NNNNNN.h5: time, coordinates and the species asked for."""
+    """One fields-NNNNNN.h5 or fields-NNNNNN-K.h5: time, coordinates and the species asked for."""
 
     def __init__(self, path, species):
         with h5py.File(path, "r") as file:
@@ -77,9 +78,13 @@ def case_of(file):
 
 
 def field_files(folder):
-    names = [name for name in os.listdir(folder) if name.startswith("fields-") and name.endswith(".h5")]
-    steps = sorted((int(name[7:-3]), name) for name in names if name[7:-3].isdigit())
-    return [os.path.join(folder, name) for _, name in steps]
+    """In order of time: of several states within one step, numbered -1, -2, ..., the last has no such number."""
+    found = []
+    for name in os.listdir(folder):
+        parts = re.fullmatch(r"fields-(\d+)(?:-(\d+))?\.h5", name)
+        if parts:
+            found.append((int(parts[1]), int(parts[2]) if parts[2] else math.inf, name))
+    return [os.path.join(folder, name) for _, _, name in sorted(found)]
 
 
 def evenly(items, count):

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stiffront/mesh/grid.hpp"
+#include "stiffront/solvers/work.hpp"
+
+namespace stiffront {
+
+/// What is known of a run at its end. The same on all ranks where it matters; written by root.
+struct Summary {
+  std::string status;           ///< "done", "stopped", or the kind of failure
+  std::string reason;           ///< the error or stop in one sentence; left out if empty
+  std::string title;            ///< left out if empty
+  std::string model;
+  std::string method;
+  Grid grid;
+  double time = 0.0;            ///< reached
+  std::int64_t accepted = 0;
+  std::int64_t rejected = 0;
+  Work work;                    ///< summed over the ranks where a count is local
+  std::int64_t allreduces = 0;
+  std::vector<std::pair<std::string, double>> wall_seconds;  ///< by phase: diffusion, reaction, quadrature, communication, output, total
+  int ranks = 1;
+  std::vector<int> processes;   ///< ranks per direction
+  double imbalance = 1.0;       ///< largest over mean work of the ranks in the reaction
+  std::int64_t negatives = 0;   ///< accepted steps whose state held a negative value
+  double peak_memory_mib = 0.0; ///< of the largest rank
+  std::int64_t output_files = 0;
+  std::int64_t checkpoints = 0;
+  bool restarted = false;
+  std::string checksum;         ///< of the final state
+};
+
+/// The summary as JSON, keys in a fixed order. Numbers that are not finite become the strings "nan", "inf" and "-inf".
+std::string summary_json(const Summary& summary);
+
+/// Writes summary.json: complete or not at all. On one process. @throws Error(io)
+void write_summary(const std::string& path, const Summary& summary);
+
+}  // namespace stiffront
