@@ -19,6 +19,8 @@ void collectively(const Communicator& comm, const std::function<void()>& f) {
     mine = Error(ErrorKind::bug, "out of memory");
   } catch (const std::exception& e) {
     mine = Error(ErrorKind::bug, e.what());
+  } catch (...) {
+    mine = Error(ErrorKind::bug, "an exception of unknown type");
   }
   // The lowest failing rank is the largest of the negated ranks.
   const auto candidate = static_cast<std::int64_t>(mine ? -comm.rank() : -comm.size());

@@ -62,10 +62,10 @@ void fill_line(double* end, std::ptrdiff_t in, int width, BoundaryKind kind) {
 
 }  // namespace
 
-void Boundary::fill_halo(Field& u, int width) const {
+void Boundary::fill_halo(Field& u, int width, std::span<const int> species) const {
   const Decomposition& d = u.decomposition();
   const int width_y = d.grid().dimension == 2 ? width : 0;
-  for (int s = 0; s < u.n_species(); ++s) {
+  for (int s : species) {
     for (int which = 0; which < 2; ++which) {
       if (!d.at_boundary(0, which)) continue;
       for (int j = -width_y; j < u.n_y() + width_y; ++j) {

@@ -69,11 +69,13 @@ Decomposition::Decomposition(const Communicator& comm, const Grid& grid, std::ar
   }
   coordinates_ = {comm.rank() % processes_[0], comm.rank() / processes_[0]};
   for (std::size_t d = 0; d < 2; ++d) {
-    const std::int64_t size = part_size(grid.points[d], processes_[d], coordinates_[d]);
-    if (size > std::numeric_limits<int>::max() / 2) {
-      throw Error(ErrorKind::input, fmt::format("grid.points: {} points in one direction on one rank are too many; use more ranks", size));
+    // The first box is the largest: every rank comes to the same verdict.
+    const std::int64_t largest = part_size(grid.points[d], processes_[d], 0);
+    if (largest > std::numeric_limits<int>::max() / 2) {
+      throw Error(ErrorKind::input,
+                  fmt::format("grid.points: {} points in one direction on one rank are too many; use more ranks", largest));
     }
-    size_[d] = static_cast<int>(size);
+    size_[d] = static_cast<int>(part_size(grid.points[d], processes_[d], coordinates_[d]));
     offset_[d] = part_offset(grid.points[d], processes_[d], coordinates_[d]);
   }
 }

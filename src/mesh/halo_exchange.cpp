@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stiffront/mesh/halo_exchange.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstring>
 #include <numeric>
 #include <utility>
@@ -9,6 +12,28 @@
 #include "stiffront/core/timer.hpp"
 
 namespace stiffront {
+namespace {
+
+/// What is copied into a halo must lie in the box next to it, and what is mirrored or extrapolated beyond a side within reach of it.
+void check_width(const Decomposition& d, const Boundary& boundary, int width) {
+  for (int direction = 0; direction < d.grid().dimension; ++direction) {
+    const auto k = static_cast<std::size_t>(direction);
+    const std::int64_t points = d.grid().points[k];
+    const int processes = d.processes()[k];
+    std::int64_t least = width;
+    for (int which = 0; which < 2 && processes == 1; ++which) {
+      const BoundaryKind kind = boundary.side(direction, which).kind;
+      if (kind == BoundaryKind::neumann) least = std::max<std::int64_t>(least, width + 1);
+      if (kind == BoundaryKind::dirichlet && width > 1) least = std::max<std::int64_t>(least, 4);
+    }
+    if (points / processes >= least) continue;
+    throw Error(ErrorKind::input,
+                fmt::format("grid.points: {} points along {} on {} {} are too few, at least {} each are needed", points,
+                            direction == 0 ? "x" : "y", processes, processes == 1 ? "rank" : "ranks", least));
+  }
+}
+
+}  // namespace
 
 HaloExchange::HaloExchange(const Decomposition& decomposition, const Boundary& boundary, int n_species, int n_fields, int width,
                            std::vector<int> species, bool corners)
@@ -22,6 +47,7 @@ HaloExchange::HaloExchange(const Decomposition& decomposition, const Boundary& b
     std::iota(species_.begin(), species_.end(), 0);
   }
   const Decomposition& d = decomposition;
+  check_width(d, boundary, width);
   // First send, first receive and length of a strip along one direction for an offset of -1, 0 or 1.
   const auto strip = [width](int offset, int n, int& send, int& recv, int& length) {
     send = offset > 0 ? n - width : 0;
@@ -97,6 +123,9 @@ void HaloExchange::unpack(const std::vector<double>& buffer, const Link& link) c
 void HaloExchange::begin(std::span<Field* const> fields) {
   if (!open_.empty()) throw Error(ErrorKind::bug, "halo exchange begun while the previous one is open");
   if (fields.size() != n_fields_) throw Error(ErrorKind::bug, "halo exchange of another number of fields than it was made for");
+  for (const Field* field : fields) {
+    if (field->halo() < width_) throw Error(ErrorKind::bug, "halo exchange wider than a field's halo");
+  }
   open_.assign(fields.begin(), fields.end());
   for (Link& link : links_) {
     pack(link);
@@ -121,7 +150,7 @@ void HaloExchange::finish() {
       if (opposite.dx == -link.dx && opposite.dy == -link.dy) unpack(opposite.send, link);
     }
   }
-  for (Field* field : open_) boundary_->fill_halo(*field, width_);
+  for (Field* field : open_) boundary_->fill_halo(*field, width_, species_);
   open_.clear();
 }
 

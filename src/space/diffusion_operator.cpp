@@ -38,6 +38,11 @@ void DiffusionOperator::apply(const Field& u, Field& du, const FreeBox& box) con
     for (int s = 0; s < n_species(); ++s) {
       const auto laplacian = stencil<Order, Dimension>(s, u);
       for (int j = box.j_begin; j < box.j_end; ++j) {
+        if (coefficient(s) == 0.0) {
+          // Such a species has no halo to be read, and the sign of a zero must not depend on what is there.
+          std::fill(du.row(s, j) + box.i_begin, du.row(s, j) + box.i_end, 0.0);
+          continue;
+        }
         const double* in = u.row(s, j);
         double* out = du.row(s, j);
         for_each_pack(box.i_begin, box.i_end, [&](int i, int n) { laplacian(in + i).store_partial(out + i, n); });

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "stiffront/mesh/field.hpp"
@@ -29,9 +30,12 @@ struct FreeBox {
 /// What happens at the sides of the domain: homogeneous Neumann by mirroring about the end point, periodic by the halo exchange,
 /// Dirichlet by fixing the end point.
 ///
+/// Mirroring is exact to any order where the solution continues evenly: its third derivative vanishes at a Neumann side too if the
+/// rates depend on u alone. Rates that vary with the normal coordinate there reduce a fourth-order scheme to order two.
+///
 /// Halo points beyond a Dirichlet side are extrapolated from the four outermost points by a cubic,
 /// u(-1) = 4 u(0) - 6 u(1) + 4 u(2) - u(3). A second-order stencil never uses them; in a fourth-order stencil they make the row next
-/// to the boundary the second-order one, which keeps the matrix symmetric, its spectral radius below that of the interior and the
+/// to the boundary the second-order one, which keeps the eigenvalues real, the spectral radius below that of the interior and the
 /// global order at four (one row of lower order costs nothing; Gustafsson, Math. Comp. 29, 1975).
 class Boundary {
  public:
@@ -51,8 +55,8 @@ class Boundary {
   /// The number of evolving points of the whole grid.
   std::int64_t free_points(const Grid& grid) const;
 
-  /// Fills the halo beyond physical sides; halos from neighbours must be there already.
-  void fill_halo(Field& u, int width) const;
+  /// Fills the halo of the given species beyond physical sides; halos from neighbours must be there already.
+  void fill_halo(Field& u, int width, std::span<const int> species) const;
   /// Sets Dirichlet points to their values at time t. A point of two Dirichlet sides takes the x side's value.
   void impose(Field& u, double t) const;
 

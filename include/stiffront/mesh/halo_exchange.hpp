@@ -16,9 +16,11 @@ namespace stiffront {
 /// and applies the physical boundaries. Every exchange object serves any fields of the shape it was made for.
 class HaloExchange {
  public:
-  /// @param width points exchanged per side; at most the fields' halo and the size of the smallest box.
+  /// @param width points exchanged per side; at most the fields' halo and the size of the smallest box, and less than the size of a
+  ///        box with a Neumann side if that is the whole direction.
   /// @param species which species take part (all the others' halos stay as they are); empty: all.
   /// @param corners whether diagonal neighbours are served too (needed when several stencils are applied per exchange).
+  /// @throws Error(input) on every rank if a box is too small.
   HaloExchange(const Decomposition& decomposition, const Boundary& boundary, int n_species, int n_fields, int width,
                std::vector<int> species = {}, bool corners = false);
   HaloExchange(const HaloExchange&) = delete;
