@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-// The small matrices here gain nothing from packs, and g++ 12 warns about the AVX-512 intrinsics they would use.
-#define EIGEN_DONT_VECTORIZE
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
