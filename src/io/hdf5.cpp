@@ -64,27 +64,22 @@ Handle simple_space(const std::vector<hsize_t>& extent) {
   return Handle(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose, "HDF5 data space");
 }
 
-Handle string_type(std::size_t length) {
+Handle string_type() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "HDF5 string type");
-  check(H5Tset_size(type, length > 0 ? length : 1), "HDF5 string type");
+  check(H5Tset_size(type, H5T_VARIABLE), "HDF5 string type");
   check(H5Tset_cset(type, H5T_CSET_UTF8), "HDF5 string type");
-  check(H5Tset_strpad(type, H5T_STR_NULLPAD), "HDF5 string type");
   return type;
 }
 
 void write_attribute(hid_t object, const std::string& name, const std::string& text) {
-  const Handle type = string_type(text.size());
-  const std::string padded = text.empty() ? std::string(1, '\0') : text;
-  write_array(object, name, type, {}, padded.data());
+  const char* pointer = text.c_str();
+  write_array(object, name, string_type(), {}, &pointer);
 }
 
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& texts) {
-  std::size_t length = 1;
-  for (const std::string& t : texts) length = std::max(length, t.size());
-  std::string block;
-  for (const std::string& t : texts) block += t + std::string(length - t.size(), '\0');
-  const Handle type = string_type(length);
-  write_array(object, name, type, {texts.size()}, block.data());
+  std::vector<const char*> pointers;
+  for (const std::string& t : texts) pointers.push_back(t.c_str());
+  write_array(object, name, string_type(), {texts.size()}, pointers.data());
 }
 
 void write_attribute(hid_t object, const std::string& name, double value) {

@@ -53,11 +53,11 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// Property list with the earliest format that allows attributes beyond 64 KiB; no chunk cache or alignment tricks.
+/// File access properties: the format of HDF5 1.8 at least.
 Handle file_access();
 Handle simple_space(const std::vector<hsize_t>& extent);
-/// UTF-8 of fixed length (at least one byte).
-Handle string_type(std::size_t length);
+/// UTF-8 of variable length: what h5py gives back as str, and no limit of 64 KiB on an attribute.
+Handle string_type();
 
 void write_attribute(hid_t object, const std::string& name, const std::string& text);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& texts);

@@ -163,8 +163,7 @@ void write_state(const std::string& path, const StateHeader& header, const Bound
       // does not survive it.
       sequence.then([&] {
         try {
-          hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "cannot flush");
-          file.close("cannot close");
+          file.close("cannot be completed");
         } catch (const Error&) {
           abort_needed = true;
           throw;
