@@ -4,12 +4,14 @@
 
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "stiffront/core/error.hpp"
 #include "stiffront/model/model.hpp"
 #include "stiffront/model/reaction_term.hpp"
+#include "stiffront/solvers/radau5.hpp"
 #include "stiffront/space/laplacian.hpp"
 
 namespace stiffront {
@@ -21,6 +23,8 @@ class ModelKernels : public ReactionTerm {
   int n_species() const override { return description().n_species(); }
   /// Fills the interior of u with a built-in profile. @throws Error(input) for a name the model does not have.
   virtual void initialise(const std::string& profile, Field& u) const = 0;
+  /// @throws Error(bug) for tolerances that are not one positive number per species
+  virtual std::unique_ptr<ReactionSolver> make_radau5(const CellTolerances& tolerances) const = 0;
 };
 
 template <Model M>
@@ -43,6 +47,10 @@ class ModelKernelsOf final : public ModelKernels {
   ModelKernelsOf(M model, ModelDescription description) : model_(std::move(model)), description_(std::move(description)) {}
 
   const ModelDescription& description() const override { return description_; }
+
+  std::unique_ptr<ReactionSolver> make_radau5(const CellTolerances& tolerances) const override {
+    return std::make_unique<Radau5<M>>(model_, tolerances);
+  }
 
   void initialise(const std::string& profile, Field& u) const override {
     for (const Profile<M>& p : M::profiles) {
