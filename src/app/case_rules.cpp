@@ -77,7 +77,6 @@ class Completion {
   }
 
   // [space] and [grid]
-  // -------------------------------------------------------------------------------------------------
 
   template <typename T>
   void one_for_each_direction(const std::string& path, std::vector<T>& list, T value) const {
@@ -121,7 +120,6 @@ class Completion {
   }
 
   // [model]
-  // ------------------------------------------------------------------------------------------------------------
 
   void check_species(const std::string& path, const std::string& name) const {
     if (contains(c_.model.species, name)) return;
@@ -239,7 +237,6 @@ class Completion {
   }
 
   // [boundary]
-  // ---------------------------------------------------------------------------------------------------------
 
   void boundary() {
     for (std::size_t d = 0; d < c_.boundary.sides.size(); ++d) {
@@ -270,7 +267,6 @@ class Completion {
   }
 
   // [initial]
-  // ----------------------------------------------------------------------------------------------------------
 
   void initial() {
     InitialOptions& initial = c_.initial;
@@ -286,29 +282,36 @@ class Completion {
       fail("initial", fmt::format("{}: profile, or an expression for each species, or file",
                                   given == 0 ? "missing: one of" : "expected only one of"));
     }
-    if (!initial.profile.empty()) {
-      std::vector<std::string> profiles;
-      if (description_ != nullptr) {
-        for (const auto& profile : description_->profiles) profiles.push_back(profile.name);
-      }
-      if (profiles.empty()) {
-        fail("initial.profile",
-             fmt::format("model {} has no profiles; give an expression for each species", c_.model.name));
-      }
-      if (!contains(profiles, initial.profile)) {
-        fail("initial.profile",
-             "unknown profile " + tree_.text("initial.profile") +
-                 with_allowed(suggestion(initial.profile, profiles), " for model " + c_.model.name, profiles));
-      }
-    }
+    if (!initial.profile.empty()) initial_profile();
     if (!initial.expressions.empty()) {
       require_all_species("initial", initial.expressions, "initial value");
       in_order_of_species(initial.expressions, [](std::size_t) { return Value(0.0); });
     }
   }
 
+  void initial_profile() const {
+    const std::string& name = c_.initial.profile;
+    std::vector<std::string> allowed;
+    if (description_ != nullptr) {
+      for (const auto& profile : description_->profiles) {
+        allowed.push_back(profile.name);
+        if (profile.name == name && profile.dimension > c_.grid.dimension()) {
+          fail("initial.profile", fmt::format("\"{}\" needs a grid of {} dimensions, this one has {}", name,
+                                              profile.dimension, c_.grid.dimension()));
+        }
+      }
+    }
+    if (allowed.empty()) {
+      fail("initial.profile",
+           fmt::format("model {} has no profiles; give an expression for each species", c_.model.name));
+    }
+    if (!contains(allowed, name)) {
+      fail("initial.profile", "unknown profile " + tree_.text("initial.profile") +
+                                  with_allowed(suggestion(name, allowed), " for model " + c_.model.name, allowed));
+    }
+  }
+
   // [time]
-  // -------------------------------------------------------------------------------------------------------------
 
   void check_increasing(const std::string& path, const std::vector<double>& times, bool ends_included) const {
     double before = c_.time.start;
@@ -350,7 +353,6 @@ class Completion {
   }
 
   // [method]
-  // -----------------------------------------------------------------------------------------------------------
 
   void complete_step(double& step) const {
     if (step == 0.0 && c_.converge) step = c_.converge->steps.front();
@@ -415,7 +417,6 @@ class Completion {
   }
 
   // [output]
-  // -----------------------------------------------------------------------------------------------------------
 
   void output() const {
     const OutputOptions& output = c_.output;
@@ -440,7 +441,6 @@ class Completion {
   }
 
   // [converge]
-  // ---------------------------------------------------------------------------------------------------------
 
   void converge(ConvergeOptions& o) const {
     const std::string& name = method_name(c_.method);

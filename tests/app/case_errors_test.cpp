@@ -238,6 +238,8 @@ INSTANTIATE_TEST_SUITE_P(
         Rule{{"initial={}"}, "initial: missing: one of: profile, or an expression for each species, or file"},
         Rule{{"initial={ profile = \"bz-front\", file = \"a.h5\" }"},
              "initial: expected only one of: profile, or an expression for each species, or file"},
+        Rule{{"initial.profile=bz-spiral"},
+             "initial.profile: \"bz-spiral\" needs a grid of 2 dimensions, this one has 1"},
         Rule{{"initial={ a = 0, c = 0 }"}, "initial: no initial value for b; every species needs one"},
         Rule{{"time.end=-1"}, "time.end: expected a time after time.start = 0.0, got -1"},
         Rule{{"time.start=-1e308", "time.end=1e308"}, "time.end: expected a time after time.start = -1e308, got 1e308"},

@@ -218,7 +218,7 @@ TEST(CaseFile, DifferentOptionsAreSeenAsDifferent) {
   EXPECT_TRUE(parse_example().same_options(parse_example()));
   for (const char* change :
        {"title=B", "grid.points=[102]", "boundary.x=periodic", "space.order=4", "model.parameters.q=1e-9",
-        "initial.profile=bz-spiral", "time.end=3", "method.tolerance=1e-6", "diffusion_solver.tolerance=1e-6",
+        "initial.profile=bz-ignition", "time.end=3", "method.tolerance=1e-6", "diffusion_solver.tolerance=1e-6",
         "reaction_solver.tolerance=1e-6", "output.checkpoint.at_end=true", "limits.max_steps=5"}) {
     EXPECT_FALSE(parse_example().same_options(parse_example({change}))) << change;
   }

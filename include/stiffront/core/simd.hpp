@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -134,6 +135,26 @@ inline bool none(Mask m) { return bits(m) == 0; }
 
 /// m ? a : b in each lane.
 inline Pack select(Mask m, Pack a, Pack b) { return Pack(m.v ? a.v : b.v); }
+
+/// Writes the lanes of the mask only.
+inline void store_lanes(Pack x, double* p, Mask m) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  _mm512_mask_storeu_pd(p, static_cast<__mmask8>(bits(m)), x.v);
+#else
+  for (int l = 0; l < pack_size; ++l) {
+    if (m[l]) p[l] = x[l];
+  }
+#endif
+}
+
+/// The pack that begins n lanes after the beginning of lo, where hi is what follows lo in memory: an unaligned load without the load.
+template <int n>
+Pack straddle(Pack lo, Pack hi) {
+  static_assert(0 < n && n < pack_size);
+  return [&]<int... lane>(std::integer_sequence<int, lane...>) {
+    return Pack(static_cast<Pack::Vector>(__builtin_shufflevector(lo.v, hi.v, (n + lane)...)));
+  }(std::make_integer_sequence<int, pack_size>());
+}
 
 /// a*b + c, rounded once where the target can fuse it, twice elsewhere: the same in every lane and at every call of one build.
 inline Pack mul_add(Pack a, Pack b, Pack c) {

@@ -81,16 +81,17 @@ struct ModelDescription {
     std::string name;
     double value;
   };
-  struct NamedText {
+  struct NamedProfile {
     std::string name;
     std::string what;
+    int dimension = 1;  ///< the least dimension of a grid it makes sense on
   };
   std::string name;
   std::string source;
   std::vector<std::string> species;
   std::vector<NamedNumber> parameters;  ///< with their defaults
   std::vector<double> diffusion;        ///< default coefficients, one per species
-  std::vector<NamedText> profiles;
+  std::vector<NamedProfile> profiles;
 
   int n_species() const { return static_cast<int>(species.size()); }
 };
@@ -104,7 +105,7 @@ ModelDescription describe() {
   for (const char* s : M::species) d.species.emplace_back(s);
   for (double c : M::diffusion) d.diffusion.push_back(c);
   for (const Parameter<M>& p : M::parameters) d.parameters.push_back({p.name, fresh.*p.member});
-  for (const Profile<M>& p : M::profiles) d.profiles.push_back({p.name, p.what});
+  for (const Profile<M>& p : M::profiles) d.profiles.push_back({p.name, p.what, p.dimension});
   return d;
 }
 
