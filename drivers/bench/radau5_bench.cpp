@@ -100,4 +100,4 @@ BENCHMARK(radau5<double>)->Arg(5)->Arg(7);
 }  // namespace
 }  // namespace stiffront
 
-BENCHMARK_MAIN();
+

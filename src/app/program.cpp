@@ -13,7 +13,9 @@
 #include "stiffront/app/builtin_cases.hpp"
 #include "stiffront/app/case_source.hpp"
 #include "stiffront/app/command_line.hpp"
+#include "stiffront/app/convergence.hpp"
 #include "stiffront/app/methods.hpp"
+#include "stiffront/app/simulation.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/core/spelling.hpp"
 #include "stiffront/io/info.hpp"
@@ -56,7 +58,7 @@ std::string method_list() {
 /// Does what a command asks for; throws Error.
 class Obey {
  public:
-  Obey(int argc, char** argv, const ModelRegistry& models) : argc_(argc), argv_(argv), models_(models) {}
+  Obey(int& argc, char**& argv, const ModelRegistry& models) : argc_(argc), argv_(argv), models_(models) {}
 
   int operator()(const AnswerCommand& command) const { return said(command.text + "\n"); }
   int operator()(const InputReferenceCommand&) const { return said(input_reference()); }
@@ -92,19 +94,33 @@ class Obey {
     return 0;
   }
 
-  template <typename Other>
-  int operator()(const Other&) const {
-    throw Error(ErrorKind::usage, "this command is not part of this build");
-  }
+  int operator()(const RunCommand& command) const { return on_all_ranks(command.source, command.run, simulate); }
+  int operator()(const ConvergeCommand& command) const { return on_all_ranks(command.source, command.run, run_convergence); }
 
  private:
+  using Run = void (*)(const Case&, const ModelRegistry&, const Communicator&, const RunOptions&);
+
+  int on_all_ranks(const CaseArguments& source, const RunArguments& arguments, Run run) const {
+    RunOptions options;
+    options.restart = arguments.restart;
+    options.force = arguments.force;
+    options.quiet = arguments.quiet;
+    options.progress = arguments.progress == "always"  ? ProgressMode::always
+                       : arguments.progress == "never" ? ProgressMode::never
+                                                       : ProgressMode::automatic;
+    return run_on_all_ranks(argc_, argv_, [&](const Communicator& comm) {
+      const Case c = parse_case(read_case_source(source.file, source.overrides, comm), models_.descriptions());
+      run(c, models_, comm, options);
+    });
+  }
+
   static int said(const std::string& text) {
     print(text);
     return 0;
   }
 
-  int argc_;
-  char** argv_;
+  int& argc_;
+  char**& argv_;
   const ModelRegistry& models_;
 };
 

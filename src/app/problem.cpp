@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/app/problem.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "stiffront/core/error.hpp"
+#include "stiffront/io/result_file.hpp"
+
+namespace stiffront::app {
+namespace {
+
+Grid make_grid(const Case& c) {
+  Grid g;
+  g.dimension = c.grid.dimension();
+  for (std::size_t d = 0; d < c.grid.points.size(); ++d) {
+    g.points[d] = c.grid.points[d];
+    g.lower[d] = c.grid.lower[d];
+    g.upper[d] = c.grid.upper[d];
+    g.periodic[d] = c.boundary.sides[d][0].kind == BoundaryKind::periodic;
+  }
+  return g;
+}
+
+std::array<int, 2> processes(const Case& c) {
+  std::array<int, 2> p{1, 1};
+  for (std::size_t d = 0; d < c.grid.processes.size(); ++d) p[d] = static_cast<int>(c.grid.processes[d]);
+  return p;
+}
+
+double number(const Value& v, const std::string& key, const std::string& file) {
+  if (const double* x = std::get_if<double>(&v)) return *x;
+  throw Error(ErrorKind::input, fmt::format("{}: {}: expected a number, got the expression \"{}\"", file, key, std::get<std::string>(v)));
+}
+
+Boundary make_boundary(const Case& c) {
+  std::array<std::array<BoundarySide, 2>, 2> sides;
+  for (std::size_t d = 0; d < 2; ++d) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const SideOptions& o = c.boundary.sides[d][side];
+      BoundarySide& b = sides[d][side];
+      switch (o.kind) {
+        case BoundaryKind::neumann: b.kind = stiffront::BoundaryKind::neumann; break;
+        case BoundaryKind::periodic: b.kind = stiffront::BoundaryKind::periodic; break;
+        case BoundaryKind::dirichlet: b.kind = stiffront::BoundaryKind::dirichlet; break;
+      }
+      for (const auto& [species, value] : o.values) {
+        const double x = number(value, fmt::format("boundary.{}_{}.{}", d == 0 ? "x" : "y", side == 0 ? "lower" : "upper", species), c.file);
+        b.values.push_back([x](double, double, double) { return x; });
+      }
+    }
+  }
+  return Boundary(std::move(sides));
+}
+
+std::unique_ptr<ModelKernels> make_model(const Case& c, const ModelRegistry& models) {
+  std::map<std::string, double> parameters(c.model.parameters.begin(), c.model.parameters.end());
+  return models.make(c.model.name, parameters);
+}
+
+std::vector<double> diffusion_coefficients(const Case& c) {
+  std::vector<double> d;
+  for (const auto& [species, value] : c.model.diffusion) d.push_back(number(value, "model.diffusion." + species, c.file));
+  return d;
+}
+
+}  // namespace
+
+Problem::Problem(const Case& c, const ModelRegistry& models, const Communicator& comm_in)
+    : options(c),
+      comm(comm_in),
+      grid(make_grid(c)),
+      decomposition(comm, grid, processes(c), c.space.order / 2),
+      boundary(make_boundary(c)),
+      model(make_model(c, models)),
+      diffusion(grid, boundary, diffusion_coefficients(c), c.space.order),
+      rhs(decomposition, diffusion, *model),
+      state(decomposition, model->n_species(), c.space.order / 2) {
+  if (!c.initial.profile.empty()) {
+    model->initialise(c.initial.profile, state);
+  } else if (!c.initial.file.empty()) {
+    read_state(c.initial.file, model->description().species, state);
+  }
+  boundary.impose(state, c.time.start);
+
+  Agreement largest(0, model->n_species());
+  for (int s = 0; s < model->n_species(); ++s) {
+    double& m = largest.maxima[static_cast<std::size_t>(s)];
+    for (int j = 0; j < state.n_y(); ++j) {
+      for (int i = 0; i < state.n_x(); ++i) m = std::max(m, std::abs(state.at(s, i, j)));
+    }
+  }
+  comm.agree(largest);
+  scales_ = largest.maxima;
+  for (double& scale : scales_) scale = scale > 0.0 ? scale : 1.0;
+}
+
+}  // namespace stiffront::app
