@@ -62,9 +62,9 @@ void MethodStack::make_flows(const Case& c, Problem& problem, double method_tole
   CellTolerances cell{reaction_tolerance, inner_absolute(reaction_tolerance, problem)};
   std::unique_ptr<stiffront::ReactionSolver> solver;
   if (c.reaction_solver.name == ReactionSolver::radau5) {
-    solver = problem.model->make_radau5(std::move(cell));
+    solver = problem.model->make_radau5(cell);
   } else {
-    solver = std::make_unique<CvodeCells>(*problem.model, std::move(cell));
+    solver = std::make_unique<CvodeCells>(*problem.model, cell);
   }
   reaction_ = std::make_unique<ReactionFlow>(problem.decomposition, problem.boundary, std::move(solver));
   rock4_ = std::make_unique<Rock4>(problem.decomposition, problem.diffusion,
