@@ -6,17 +6,9 @@
 #include <bit>
 #include <cstdint>
 
+#include "content_hash.hpp"
+
 namespace stiffront {
-namespace {
-
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
-
-}  // namespace
-
 std::string checksum(const Field& u) {
   const Decomposition& d = u.decomposition();
   std::uint64_t sum = 0;
