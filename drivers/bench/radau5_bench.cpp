@@ -99,5 +99,3 @@ BENCHMARK(radau5<double>)->Arg(5)->Arg(7);
 
 }  // namespace
 }  // namespace stiffront
-
-
