@@ -413,7 +413,7 @@ class Completion {
 
   void method(CvodeOptions& o) const {
     complete_tolerance(o.absolute_tolerance, o.relative_tolerance);
-    if (!o.linear_solver) o.linear_solver = c_.grid.dimension() == 1 ? LinearSolver::band : LinearSolver::gmres;
+    if (!o.linear_solver) o.linear_solver = LinearSolver::gmres;
   }
 
   // [output]

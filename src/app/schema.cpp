@@ -339,7 +339,7 @@ std::vector<Key> cvode_keys() {
                    "relative_tolerance / 100"),
       with_default(choice("method.linear_solver", STIFFRONT_METHOD(Options, linear_solver),
                           "linear solver of the Newton iteration"),
-                   R"("band" in 1-D, else "gmres")"),
+                   R"("gmres")"),
   };
 }
 

@@ -39,6 +39,13 @@ TEST(CaseFile, DefaultsAreFilledInFromTheModelAndTheGrid) {
   EXPECT_FALSE(c.converge.has_value());
 }
 
+TEST(CaseFile, AMethodChosenOnTheCommandLineDropsTheFilesKeysOfAnother) {
+  const Case c = parse_example({"method.step=1e-3", "method.name=strang"});
+  EXPECT_EQ(std::get<StrangOptions>(c.method), (StrangOptions{1e-3, SplittingOrder::reaction_last}));
+  // The same method again changes nothing.
+  EXPECT_EQ(std::get<AdaptiveStrangOptions>(parse_example({"method.name=adaptive-strang"}).method).tolerance, 1e-5);
+}
+
 TEST(CaseFile, CustomModelKeepsTheOrderOfItsSpeciesAndOfTheFile) {
   const Case c = parse_example({}, custom_text);
   EXPECT_TRUE(c.model.is_custom());
@@ -90,7 +97,7 @@ TEST(CaseFile, MethodsFillInWhatDependsOnOtherKeys) {
   const auto cvode =
       std::get<CvodeOptions>(method(R"({name = "cvode", absolute_tolerance = { c = 3e-9, a = 1e-6, b = 2e-8 }})"));
   EXPECT_EQ(cvode.absolute_tolerance, Tolerance(NamedList<double>{{"a", 1e-6}, {"b", 2e-8}, {"c", 3e-9}}));
-  EXPECT_EQ(cvode.linear_solver, LinearSolver::band);
+  EXPECT_EQ(cvode.linear_solver, LinearSolver::gmres);
   EXPECT_EQ(std::get<CvodeOptions>(method(R"({name = "cvode"})", {"grid.points=[9, 9]"})).linear_solver,
             LinearSolver::gmres);
 }
