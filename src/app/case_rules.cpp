@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "schema.hpp"
 #include "stiffront/app/methods.hpp"
 #include "stiffront/core/spelling.hpp"
+#include "stiffront/model/expression.hpp"
 #include "toml_text.hpp"
 
 namespace stiffront::app {
@@ -160,9 +163,46 @@ class Completion {
       registered_model();
     }
     check_species_names("model.diffusion", model.diffusion);
+    expressions_of_model();
     in_order_of_species(model.diffusion, [this](std::size_t s) {
       return Value(description_ == nullptr ? 0.0 : description_->diffusion[s]);
     });
+  }
+
+  /// The value must be an expression of these variables and the parameters.
+  /// @return its value if it is constant
+  std::optional<double> check_expression(const std::string& path, const Value& value,
+                                         std::vector<std::string> variables) const {
+    if (const double* number = std::get_if<double>(&value)) return *number;
+    const std::map<std::string, double> constants(c_.model.parameters.begin(), c_.model.parameters.end());
+    ExpressionGraph graph(std::move(variables));
+    try {
+      const ExpressionGraph::Node node = graph.parse(std::get<std::string>(value), constants);
+      return graph.is_constant(node) ? std::optional(graph.data(node).value) : std::nullopt;
+    } catch (const Error& error) {
+      fail(path, error.what());
+    }
+  }
+
+  void expressions_of_model() const {
+    const ModelOptions& model = c_.model;
+    for (const auto& [species, value] : model.diffusion) {
+      const std::string path = "model.diffusion." + species;
+      const std::optional<double> coefficient = check_expression(path, value, {});
+      if (!(coefficient.value_or(-1.0) >= 0.0)) {
+        fail(path,
+             fmt::format("expected a number not below 0, got {} = {}", tree_.text(path), coefficient.value_or(-1.0)));
+      }
+    }
+    std::vector<std::string> variables = model.species;
+    variables.insert(variables.end(), {"t", "x", "y"});
+    for (const auto& [species, rate] : model.reaction) check_expression("model.reaction." + species, rate, variables);
+    for (std::size_t i = 0; i < model.reactions.size(); ++i) {
+      const ReactionOptions& reaction = model.reactions[i];
+      const std::string path = fmt::format("model.reactions[{}]", i);
+      check_expression(path + ".rate", reaction.rate, variables);
+      if (reaction.reverse_rate) check_expression(path + ".reverse_rate", *reaction.reverse_rate, variables);
+    }
   }
 
   void registered_model() {
@@ -263,6 +303,7 @@ class Completion {
       fail(path + "." + side.values[0].first, "values go with type = \"dirichlet\" only");
     }
     check_species_names(path, side.values);
+    for (const auto& [species, value] : side.values) check_expression(path + "." + species, value, {"t", "x", "y"});
     in_order_of_species(side.values, [](std::size_t) { return Value(0.0); });
   }
 
@@ -285,6 +326,8 @@ class Completion {
     if (!initial.profile.empty()) initial_profile();
     if (!initial.expressions.empty()) {
       require_all_species("initial", initial.expressions, "initial value");
+      for (const auto& [species, value] : initial.expressions)
+        check_expression("initial." + species, value, {"x", "y"});
       in_order_of_species(initial.expressions, [](std::size_t) { return Value(0.0); });
     }
   }

@@ -59,8 +59,8 @@ TEST(CaseFile, CustomModelKeepsTheOrderOfItsSpeciesAndOfTheFile) {
 TEST(CaseFile, ReactionNetworksAreArraysOfTables) {
   const Case c = parse_example({}, network_text);
   ASSERT_EQ(c.model.reactions.size(), 2U);
-  EXPECT_EQ(c.model.reactions[0], (ReactionOptions{"2 u + v -> 3 u", 1.0}));
-  EXPECT_EQ(c.model.reactions[1], (ReactionOptions{"u -> 0", "0.1*(1 + x)"}));
+  EXPECT_EQ(c.model.reactions[0], (ReactionOptions{"2 u + v -> 3 u", 1.0, std::nullopt, true}));
+  EXPECT_EQ(c.model.reactions[1], (ReactionOptions{"u <-> 0", "0.1*(1 + x)", Value(0.01), false}));
 }
 
 TEST(CaseFile, BoundariesAreGivenByAxisOrBySide) {
@@ -147,7 +147,7 @@ std::string every_option_text(const std::string& method) {
   text.erase(text.find("[method]"));
   return text + method + R"toml(
 [boundary]
-x_lower = { type = "dirichlet", u = 0.1, v = "sin(t)*\"" }
+x_lower = { type = "dirichlet", u = 0.1, v = "sin(t)*2" }
 y = "periodic"
 [space]
 order = 4

@@ -65,8 +65,10 @@ species = ["u", "v"]
 equation = "2 u + v -> 3 u"
 rate = 1.0
 [[model.reactions]]
-equation = "u -> 0"
+equation = "u <-> 0"
 rate = "0.1*(1 + x)"
+reverse_rate = 0.01
+mass_action = false
 [initial]
 u = 1
 v = 0
