@@ -23,3 +23,16 @@ same_bits_test(adaptive-strang-1d bz-1d "${lines}" method.name=adaptive-strang m
 same_bits_test(dcs-1d bz-1d "${lines}" method.name=dcs method.tolerance=1e-5 time.end=2e-3)
 same_bits_test(adaptive-strang-2d bz-2d-spiral "${boxes}" "grid.points=[67, 61]" method.name=adaptive-strang method.tolerance=1e-3 time.end=0.01)
 same_bits_test(strang-order-4 brusselator-2d "${boxes}" "grid.points=[67, 61]" space.order=4 method.name=strang method.step=0.05 time.end=0.2)
+
+# Restarts continue bitwise, also on another number of ranks.
+function(restart_test name case every)
+  add_test(NAME restart.${name}
+    COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/restart.sh $<TARGET_FILE:stiffront_program> ${MPIEXEC_EXECUTABLE}
+            ${PROJECT_SOURCE_DIR}/drivers/cases/${case}.toml ${every} ${ARGN})
+  set_tests_properties(restart.${name} PROPERTIES
+    PROCESSORS 3 TIMEOUT 240 LABELS "mpi;program;restart" ENVIRONMENT "${STIFFRONT_MPI_ENVIRONMENT}")
+endfunction()
+
+restart_test(strang bz-1d 7 method.name=strang method.step=1e-3 time.end=0.02)
+restart_test(adaptive-strang bz-1d 37 method.name=adaptive-strang method.tolerance=1e-4 time.end=4e-3)
+restart_test(dcs bz-1d 37 method.name=dcs method.tolerance=1e-5 time.end=2e-3)

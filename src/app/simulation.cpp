@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -12,11 +13,14 @@
 #include "stiffront/app/method_stack.hpp"
 #include "stiffront/app/methods.hpp"
 #include "stiffront/app/problem.hpp"
+#include "stiffront/app/signals.hpp"
+#include "stiffront/app/watchdog.hpp"
 #include "stiffront/control/evolve.hpp"
 #include "stiffront/core/agree.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/core/timer.hpp"
 #include "stiffront/core/version.hpp"
+#include "stiffront/io/checkpoint.hpp"
 #include "stiffront/io/checksum.hpp"
 #include "stiffront/io/memory.hpp"
 #include "stiffront/io/output.hpp"
@@ -48,38 +52,135 @@ Output::Options make_output_options(const Case& c, const Problem& problem) {
   return o;
 }
 
-/// Everything that watches a run, and what the summary needs to know of it.
+/// Writes and reads checkpoints of a run: everything that decides its further course.
+class RunMemory {
+ public:
+  RunMemory(const Case& c, Problem& problem, Method& method, Progress& progress, const OutputDirectory& directory)
+      : case_(&c), problem_(&problem), method_(&method), progress_(&progress), directory_(&directory) {}
+
+  /// A failure to write ends the run or is only reported, as output.checkpoint.on_failure says.
+  void write(bool speaks) {
+    const double began = wall_seconds();
+    CheckpointHeader header;
+    header.step = progress_->accepted;
+    header.time = progress_->t;
+    header.model = case_->model.name;
+    header.species = problem_->model->description().species;
+    header.grid = problem_->grid;
+    header.case_text = effective_configuration(*case_);
+    try {
+      write_checkpoint(directory_->checkpoints(), header, problem_->decomposition, case_->output.checkpoint.keep,
+                       [this](StateVisitor& v) { visit(v); });
+      ++written;
+    } catch (const Error& e) {
+      if (e.kind() != ErrorKind::io || case_->output.checkpoint.on_failure == OnFailure::stop) throw;
+      if (speaks) fmt::print(stderr, "warning: {}\n", e.what());
+    }
+    last_write = wall_seconds();
+    seconds = last_write - began;
+  }
+
+  /// Takes the run up where a checkpoint left it.
+  void read(const std::string& which, bool speaks) {
+    const Checkpoint checkpoint(problem_->comm, which == "latest" ? directory_->path() : which);
+    checkpoint.require(case_->model.name, problem_->model->description().species, problem_->grid);
+    checkpoint.load(problem_->decomposition, [this](StateVisitor& v) { visit(v); });
+    if (!speaks) return;
+    for (const std::string& warning : checkpoint.warnings()) fmt::print(stderr, "warning: {}\n", warning);
+    fmt::print("restarted from {} at t = {:.10g} after {} steps\n", checkpoint.path(), progress_->t, progress_->accepted);
+  }
+
+  void visit(StateVisitor& v) {
+    v.field("state", problem_->state);
+    visit_progress(v, *progress_);
+    v.integer("negatives", negatives);
+    std::vector<double> counts{static_cast<double>(work.diffusion_steps),  static_cast<double>(work.diffusion_rejections),
+                               static_cast<double>(work.diffusion_stages), static_cast<double>(work.sweeps),
+                               static_cast<double>(work.line_solves),      static_cast<double>(work.rhs_evaluations),
+                               static_cast<double>(work.linear_iterations), static_cast<double>(work.halo_exchanges)};
+    v.numbers("work", counts);
+    std::int64_t* const targets[] = {&work.diffusion_steps, &work.diffusion_rejections, &work.diffusion_stages,  &work.sweeps,
+                                     &work.line_solves,     &work.rhs_evaluations,      &work.linear_iterations, &work.halo_exchanges};
+    for (std::size_t i = 0; i < std::size(targets); ++i) *targets[i] = static_cast<std::int64_t>(counts.at(i));
+    method_->visit_state(v);
+  }
+
+  Work work;
+  std::int64_t negatives = 0;
+  std::int64_t written = 0;
+  double last_write = wall_seconds();
+  double seconds = 0.0;  ///< the last one took
+
+ private:
+  const Case* case_;
+  Problem* problem_;
+  Method* method_;
+  Progress* progress_;
+  const OutputDirectory* directory_;
+};
+
+/// Everything that watches a run. Root's clock and files, and every rank's signals, become requests that all ranks obey together.
 class RunObserver final : public Observer {
  public:
-  RunObserver(Output& output, ProgressLine& progress) : output_(&output), progress_(&progress) {}
+  RunObserver(const Case& c, const Problem& problem, Output& output, ProgressLine& progress, RunMemory& memory, Watchdog& watchdog, bool speaks)
+      : case_(&c), comm_(&problem.comm), output_(&output), progress_(&progress), memory_(&memory), watchdog_(&watchdog),
+        files_(c.output.directory), speaks_(speaks) {}
 
   std::uint64_t requests() override {
     output_->before_attempt();
-    return 0;
+    attempt_began_ = wall_seconds();
+    std::uint64_t flags = signals_.take();
+    if (comm_->is_root()) {
+      flags |= files_.take();
+      const double every = case_->output.checkpoint.every_seconds;
+      if (every > 0.0 && attempt_began_ - memory_->last_write >= every) flags |= requests::checkpoint;
+      // Room for the last checkpoint: twice what one took, and the slowest attempt so far.
+      const double limit = case_->limits.wall_time;
+      if (limit > 0.0 && attempt_began_ - began_ + 2.0 * memory_->seconds + slowest_attempt_ >= limit) flags |= requests::stop;
+    }
+    return flags;
   }
   void attempted(const StepRecord& record) override {
-    work += record.attempt.work;
-    if (!record.attempt.accepted) ++rejected;
+    watchdog_->reset();
+    slowest_attempt_ = std::max(slowest_attempt_, wall_seconds() - attempt_began_);
+    memory_->work += record.attempt.work;
     failure = record.attempt.failure;
+    if (!record.attempt.reason.empty() && record.attempt.accepted) note = record.attempt.reason;
     output_->attempted(record);
     progress_->attempted(record);
   }
   void stepped(const StepRecord& record, double t_new, Field& u, Field& u_new) override {
     progress_->stepped(record, t_new, output_->stepped(record, t_new, u, u_new) > 0);
   }
-  bool carry_on(std::uint64_t flags, std::int64_t, double, double, Field&) override {
-    if ((flags & step_flags::negative) != 0) ++negatives;
-    return true;
+  bool carry_on(std::uint64_t flags, std::int64_t step, double, double, Field&) override {
+    if ((flags & step_flags::negative) != 0) ++memory_->negatives;
+    const std::int64_t every = case_->output.checkpoint.every_steps;
+    stopped = (flags & requests::stop) != 0;
+    if (stopped || (flags & requests::checkpoint) != 0 || (every > 0 && step % every == 0)) {
+      output_->flush();
+      memory_->write(speaks_);
+      watchdog_->reset();
+    }
+    return !stopped;
   }
 
-  Work work;
-  std::int64_t rejected = 0;
-  std::int64_t negatives = 0;
+  bool stopped = false;
   std::optional<CellFailure> failure;
+  std::string note;  ///< the last remark of the method on an accepted step
 
  private:
+  const Case* case_;
+  const Communicator* comm_;
   Output* output_;
   ProgressLine* progress_;
+  RunMemory* memory_;
+  Watchdog* watchdog_;
+  SignalRequests signals_;
+  FileRequests files_;
+  bool speaks_;
+  double began_ = wall_seconds();
+  double attempt_began_ = 0.0;
+  double slowest_attempt_ = 0.0;
 };
 
 /// Sums the counts that are local to a rank; the others are the same everywhere.
@@ -152,17 +253,28 @@ void print_closing(const Summary& s, const std::string& directory) {
 void simulate(const Case& c, const ModelRegistry& models, const Communicator& comm, const RunOptions& options) {
   Problem problem(c, models, comm);
   MethodStack stack(c, problem);
-  const OutputDirectory directory(comm, c.output.directory, options.force ? ExistingResults::replace : ExistingResults::refuse);
+  const bool restarts = !options.restart.empty();
+  const OutputDirectory directory(comm, c.output.directory,
+                                  restarts        ? ExistingResults::keep
+                                  : options.force ? ExistingResults::replace
+                                                  : ExistingResults::refuse);
   Output output(directory, problem.decomposition, problem.boundary, problem.rhs, make_output_options(c, problem));
   const bool speaks = comm.is_root() && !options.quiet;
   if (speaks) print_opening(c, problem, stack);
 
-  ProgressLine progress_line(speaks, options.progress, stdout, c.time.start, c.time.end);
-  RunObserver observer(output, progress_line);
   Progress progress;
   progress.t = c.time.start;
-  output.begin(progress.t, problem.state);
+  RunMemory memory(c, problem, stack.method(), progress, directory);
+  if (restarts) {
+    memory.read(options.restart, speaks);
+    output.resume(progress.accepted);
+  } else {
+    output.begin(progress.t, problem.state);
+  }
+  ProgressLine progress_line(speaks, options.progress, stdout, c.time.start, c.time.end);
   progress_line.begin(progress.t);
+  Watchdog watchdog(comm.rank(), c.limits.stall_limit_s);
+  RunObserver observer(c, problem, output, progress_line, memory, watchdog, speaks);
 
   const double began = wall_seconds();
   const double output_before = output.seconds();
@@ -171,7 +283,13 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   summary.status = "done";
   std::optional<Error> failure;
   try {
-    evolve(stack.method(), make_schedule(c, output), problem.state, progress, observer);
+    if (!evolve(stack.method(), make_schedule(c, output), problem.state, progress, observer)) {
+      summary.status = "stopped";
+      summary.reason = fmt::format("stopped on request at t = {:.10g}; a checkpoint was written: run again with --restart latest", progress.t);
+      failure = Error(ErrorKind::stopped, summary.reason);
+    } else if (c.output.checkpoint.at_end) {
+      memory.write(speaks);
+    }
   } catch (const Error& e) {
     // Numerical failures are agreed on: every rank is here. Anything else ends the run where it is.
     if (e.kind() != ErrorKind::numerics) throw;
@@ -195,21 +313,25 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   summary.time = progress.t;
   summary.accepted = progress.accepted;
   summary.rejected = progress.rejected;
-  summary.work = over_all_ranks(observer.work, comm);
+  summary.work = over_all_ranks(memory.work, comm);
   summary.wall_seconds = slowest(phases, comm);
   summary.ranks = comm.size();
   summary.processes = {problem.decomposition.processes()[0], problem.decomposition.processes()[1]};
-  summary.imbalance = imbalance(observer.work, summary.work, comm);
-  summary.negatives = observer.negatives;
+  summary.imbalance = imbalance(memory.work, summary.work, comm);
+  summary.negatives = memory.negatives;
   summary.peak_memory_mib = comm.max(peak_memory_mib());
   summary.output_files = output.files();
+  summary.checkpoints = memory.written;
+  summary.restarted = restarts;
   summary.checksum = checksum(problem.state);
   summary.allreduces = comm.reductions();
   collectively(comm, [&] {
     if (comm.is_root()) write_summary(directory.file("summary.json"), summary);
   });
   if (failure) throw *failure;
-  if (speaks) print_closing(summary, directory.path());
+  if (!speaks) return;
+  if (!observer.note.empty()) fmt::print("note: {}\n", observer.note);
+  print_closing(summary, directory.path());
 }
 
 }  // namespace stiffront::app
