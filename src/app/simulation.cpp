@@ -59,7 +59,7 @@ class RunMemory {
       : case_(&c), problem_(&problem), method_(&method), progress_(&progress), directory_(&directory) {}
 
   /// A failure to write ends the run or is only reported, as output.checkpoint.on_failure says.
-  void write(bool speaks) {
+  void write() {
     const double began = wall_seconds();
     CheckpointHeader header;
     header.step = progress_->accepted;
@@ -74,7 +74,7 @@ class RunMemory {
       ++written;
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::io || case_->output.checkpoint.on_failure == OnFailure::stop) throw;
-      if (speaks) fmt::print(stderr, "warning: {}\n", e.what());
+      if (problem_->comm.is_root()) fmt::print(stderr, "warning: {}\n", e.what());
     }
     last_write = wall_seconds();
     seconds = last_write - began;
@@ -85,8 +85,11 @@ class RunMemory {
     const Checkpoint checkpoint(problem_->comm, which == "latest" ? directory_->path() : which);
     checkpoint.require(case_->model.name, problem_->model->description().species, problem_->grid);
     checkpoint.load(problem_->decomposition, [this](StateVisitor& v) { visit(v); });
+    // Warnings are for everybody, quiet or not.
+    for (const std::string& warning : checkpoint.warnings()) {
+      if (problem_->comm.is_root()) fmt::print(stderr, "warning: {}\n", warning);
+    }
     if (!speaks) return;
-    for (const std::string& warning : checkpoint.warnings()) fmt::print(stderr, "warning: {}\n", warning);
     fmt::print("restarted from {} at t = {:.10g} after {} steps\n", checkpoint.path(), progress_->t, progress_->accepted);
   }
 
@@ -122,9 +125,9 @@ class RunMemory {
 /// Everything that watches a run. Root's clock and files, and every rank's signals, become requests that all ranks obey together.
 class RunObserver final : public Observer {
  public:
-  RunObserver(const Case& c, const Problem& problem, Output& output, ProgressLine& progress, RunMemory& memory, Watchdog& watchdog, bool speaks)
+  RunObserver(const Case& c, const Problem& problem, Output& output, ProgressLine& progress, RunMemory& memory, Watchdog& watchdog)
       : case_(&c), comm_(&problem.comm), output_(&output), progress_(&progress), memory_(&memory), watchdog_(&watchdog),
-        files_(c.output.directory), speaks_(speaks) {}
+        files_(c.output.directory) {}
 
   std::uint64_t requests() override {
     output_->before_attempt();
@@ -158,7 +161,7 @@ class RunObserver final : public Observer {
     stopped = (flags & requests::stop) != 0;
     if (stopped || (flags & requests::checkpoint) != 0 || (every > 0 && step % every == 0)) {
       output_->flush();
-      memory_->write(speaks_);
+      memory_->write();
       watchdog_->reset();
     }
     return !stopped;
@@ -177,7 +180,6 @@ class RunObserver final : public Observer {
   Watchdog* watchdog_;
   SignalRequests signals_;
   FileRequests files_;
-  bool speaks_;
   double began_ = wall_seconds();
   double attempt_began_ = 0.0;
   double slowest_attempt_ = 0.0;
@@ -274,7 +276,7 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   ProgressLine progress_line(speaks, options.progress, stdout, c.time.start, c.time.end);
   progress_line.begin(progress.t);
   Watchdog watchdog(comm.rank(), c.limits.stall_limit_s);
-  RunObserver observer(c, problem, output, progress_line, memory, watchdog, speaks);
+  RunObserver observer(c, problem, output, progress_line, memory, watchdog);
 
   const double began = wall_seconds();
   const double output_before = output.seconds();
@@ -288,7 +290,7 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
       summary.reason = fmt::format("stopped on request at t = {:.10g}; a checkpoint was written: run again with --restart latest", progress.t);
       failure = Error(ErrorKind::stopped, summary.reason);
     } else if (c.output.checkpoint.at_end) {
-      memory.write(speaks);
+      memory.write();
     }
   } catch (const Error& e) {
     // Numerical failures are agreed on: every rank is here. Anything else ends the run where it is.
