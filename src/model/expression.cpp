@@ -3,11 +3,25 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
 
 namespace stiffront {
+
+namespace {
+
+/// The number of characters up to and including the one at a byte; UTF-8's continuation bytes do not begin one.
+int column_of(const std::string& text, std::size_t at) {
+  const auto begins = [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; };
+  return 1 + static_cast<int>(std::count_if(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), begins));
+}
+
+}  // namespace
+
+ExpressionError::ExpressionError(const std::string& text, std::size_t at, const std::string& message)
+    : ExpressionError(column_of(text, at), message) {}
 
 ExpressionError::ExpressionError(int column, const std::string& message)
     : Error(ErrorKind::input, fmt::format("column {}: {}", column, message)), column_(column) {}
@@ -71,6 +85,13 @@ Node ExpressionGraph::intern(NodeData d) {
   if (nodes_.size() >= max_nodes) throw Error(ErrorKind::input, "the expressions and their derivatives are too large");
   nodes_.push_back(d);
   return known_[key] = static_cast<Node>(nodes_.size()) - 1;
+}
+
+Node ExpressionGraph::parse_value(const NumberOrText& value, const std::map<std::string, double>& constants) {
+  const double* number = std::get_if<double>(&value);
+  if (number == nullptr) return parse(std::get<std::string>(value), constants);
+  if (!std::isfinite(*number)) throw ExpressionError("", 0, "this is not a finite number");
+  return constant(*number);
 }
 
 Node ExpressionGraph::constant(double value) { return intern({Operation::constant, -1, -1, -1, value}); }

@@ -76,11 +76,7 @@ class Parser {
   };
 
   [[noreturn]] void fail(const std::string& message) const { fail_at(at_, message); }
-  [[noreturn]] void fail_at(std::size_t at, const std::string& message) const {
-    const auto here = text_.begin() + static_cast<std::ptrdiff_t>(at);
-    throw ExpressionError(1 + static_cast<int>(std::count_if(text_.begin(), here, [](char c) { return !continues_character(c); })),
-                          message);
-  }
+  [[noreturn]] void fail_at(std::size_t at, const std::string& message) const { throw ExpressionError(text_, at, message); }
 
   /// The character here, whole and printable.
   std::string character() const {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "stiffront/core/error.hpp"
@@ -13,10 +16,13 @@ namespace stiffront {
 /// A mistake in an expression, with the column (in characters, from 1) at which it was noticed.
 class ExpressionError : public Error {
  public:
-  ExpressionError(int column, const std::string& message);
+  /// @param at index of the byte of `text` at which it was noticed
+  ExpressionError(const std::string& text, std::size_t at, const std::string& message);
   int column() const { return column_; }
 
  private:
+  ExpressionError(int column, const std::string& message);
+
   int column_;
 };
 
@@ -29,6 +35,9 @@ enum class Operation : std::uint8_t {
   less, less_equal, greater, greater_equal, equal, not_equal,  // 1 or 0
   select,  // a != 0 ? b : c
 };
+
+/// A number, or an expression that gives one.
+using NumberOrText = std::variant<double, std::string>;
 
 /// Expressions over named variables as a graph in which equal parts are one node: arithmetic on constants is done when a node is
 /// made, derivatives are graphs again, and an ExpressionProgram evaluates any set of nodes together.
@@ -47,6 +56,7 @@ class ExpressionGraph {
   /// @param constants named numbers (parameters).
   /// @throws ExpressionError with column and remedy: bad syntax, unknown names, and parts that can have no finite value.
   Node parse(const std::string& text, const std::map<std::string, double>& constants);
+  Node parse_value(const NumberOrText& value, const std::map<std::string, double>& constants);
   /// The partial derivative by a variable. Comparisons count as locally constant; abs, min and max have one-sided derivatives.
   /// The derivatives of sqrt(a) and of a^p, 0 < p < 1, at a = 0 are taken as 0, so that they are finite.
   Node differentiate(Node node, int variable);

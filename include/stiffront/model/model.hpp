@@ -10,6 +10,7 @@
 #include "stiffront/core/simd.hpp"
 #include "stiffront/mesh/decomposition.hpp"
 #include "stiffront/mesh/grid.hpp"
+#include "stiffront/model/conserved_sums.hpp"
 
 namespace stiffront {
 
@@ -92,6 +93,7 @@ struct ModelDescription {
   std::vector<NamedNumber> parameters;  ///< with their defaults
   std::vector<double> diffusion;        ///< default coefficients, one per species
   std::vector<NamedProfile> profiles;
+  std::vector<ConservedSum> conserved;  ///< what the reactions leave constant, as far as it is known (reaction networks)
 
   int n_species() const { return static_cast<int>(species.size()); }
 };
