@@ -11,6 +11,9 @@
 
 #include "stiffront/core/error.hpp"
 #include "stiffront/io/result_file.hpp"
+#include "stiffront/model/expression.hpp"
+#include "stiffront/model/space_expression.hpp"
+#include "stiffront/solvers/custom_model.hpp"
 
 namespace stiffront::app {
 namespace {
@@ -33,12 +36,20 @@ std::array<int, 2> processes(const Case& c) {
   return p;
 }
 
-double number(const Value& v, const std::string& key, const std::string& file) {
-  if (const double* x = std::get_if<double>(&v)) return *x;
-  throw Error(ErrorKind::input, fmt::format("{}: {}: expected a number, got the expression \"{}\"", file, key, std::get<std::string>(v)));
+std::map<std::string, double> parameters(const Case& c) { return {c.model.parameters.begin(), c.model.parameters.end()}; }
+
+/// Runs f; what is wrong with an expression in it is reported under the key it stands at.
+template <class F>
+auto at_key(const Case& c, const std::string& key, F f) {
+  try {
+    return f();
+  } catch (const ExpressionError& e) {
+    throw Error(ErrorKind::input, fmt::format("{}: {}: {}", c.file, key, e.what()));
+  }
 }
 
 Boundary make_boundary(const Case& c) {
+  const std::map<std::string, double> known = parameters(c);
   std::array<std::array<BoundarySide, 2>, 2> sides;
   for (std::size_t d = 0; d < 2; ++d) {
     for (std::size_t side = 0; side < 2; ++side) {
@@ -50,8 +61,10 @@ Boundary make_boundary(const Case& c) {
         case BoundaryKind::dirichlet: b.kind = stiffront::BoundaryKind::dirichlet; break;
       }
       for (const auto& [species, value] : o.values) {
-        const double x = number(value, fmt::format("boundary.{}_{}.{}", d == 0 ? "x" : "y", side == 0 ? "lower" : "upper", species), c.file);
-        b.values.push_back([x](double, double, double) { return x; });
+        const std::string key = fmt::format("boundary.{}_{}.{}", d == 0 ? "x" : "y", side == 0 ? "lower" : "upper", species);
+        const SpaceExpression expression = at_key(c, key, [&] { return SpaceExpression(value, known); });
+        b.values.emplace_back(expression);
+        b.depends_on_time = b.depends_on_time || expression.depends_on_time();
       }
     }
   }
@@ -59,14 +72,43 @@ Boundary make_boundary(const Case& c) {
 }
 
 std::unique_ptr<ModelKernels> make_model(const Case& c, const ModelRegistry& models) {
-  std::map<std::string, double> parameters(c.model.parameters.begin(), c.model.parameters.end());
-  return models.make(c.model.name, parameters);
+  if (!c.model.is_custom()) return models.make(c.model.name, parameters(c));
+  CustomModel m;
+  m.species = c.model.species;
+  m.parameters = c.model.parameters;
+  m.diffusion = c.model.diffusion;
+  m.reaction = c.model.reaction;
+  for (const ReactionOptions& r : c.model.reactions) m.reactions.push_back({r.equation, r.rate, r.reverse_rate, r.mass_action});
+  try {
+    return make_custom_model(m);
+  } catch (const Error& e) {
+    throw Error(e.kind(), fmt::format("{}: {}", c.file, e.what()));
+  }
 }
 
 std::vector<double> diffusion_coefficients(const Case& c) {
+  const std::map<std::string, double> known = parameters(c);
   std::vector<double> d;
-  for (const auto& [species, value] : c.model.diffusion) d.push_back(number(value, "model.diffusion." + species, c.file));
+  for (const auto& [species, value] : c.model.diffusion) {
+    d.push_back(at_key(c, "model.diffusion." + species, [&] { return constant_expression(value, known); }));
+  }
   return d;
+}
+
+/// @return a sentence for the log, or nothing.
+std::string initialise(const Case& c, const ModelKernels& model, Field& u) {
+  if (!c.initial.profile.empty()) {
+    model.initialise(c.initial.profile, u);
+  } else if (!c.initial.file.empty()) {
+    return read_state(c.initial.file, model.description().species, u).note;
+  } else {
+    const std::map<std::string, double> known = parameters(c);
+    for (int s = 0; s < model.n_species(); ++s) {
+      const auto& [species, value] = c.initial.expressions[static_cast<std::size_t>(s)];
+      evaluate(at_key(c, "initial." + species, [&, &v = value] { return SpaceExpression(v, known); }), c.time.start, u, s);
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -81,11 +123,7 @@ Problem::Problem(const Case& c, const ModelRegistry& models, const Communicator&
       diffusion(grid, boundary, diffusion_coefficients(c), c.space.order),
       rhs(decomposition, diffusion, *model),
       state(decomposition, model->n_species(), c.space.order / 2) {
-  if (!c.initial.profile.empty()) {
-    model->initialise(c.initial.profile, state);
-  } else if (!c.initial.file.empty()) {
-    read_state(c.initial.file, model->description().species, state);
-  }
+  note_ = initialise(c, *model, state);
   boundary.impose(state, c.time.start);
 
   Agreement largest(0, model->n_species());

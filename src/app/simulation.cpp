@@ -235,6 +235,7 @@ void print_opening(const Case& c, const Problem& problem, const MethodStack& sta
     fmt::print("grid: {} x {} points, spacing {:.6g} x {:.6g}, order {}; ", g.points[0], g.points[1], g.spacing(0), g.spacing(1), c.space.order);
   }
   fmt::print("spectral radius of the diffusion {:.4g}\n", problem.diffusion.spectral_radius());
+  if (!problem.note().empty()) fmt::print("initial state: {}\n", problem.note());
   if (!stack.choice().empty()) fmt::print("{}\n", stack.choice());
   std::fflush(stdout);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "stiffront/app/options.hpp"
@@ -26,6 +27,9 @@ class Problem {
   /// Scale of each species: its largest modulus in the initial state, 1 where that is 0.
   const std::vector<double>& scales() const { return scales_; }
 
+  /// Where the initial state came from, if that needs saying.
+  const std::string& note() const { return note_; }
+
   const Case& options;
   const Communicator& comm;
   Grid grid;
@@ -38,6 +42,7 @@ class Problem {
 
  private:
   std::vector<double> scales_;
+  std::string note_;
 };
 
 }  // namespace stiffront::app
