@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stiffront/core/reproducible_sum.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace stiffront {
@@ -19,9 +20,11 @@ void ReproducibleSum::set_top(int top) {
 void ReproducibleSum::flush() {
   if (top_ >= min_top) {
     for (int k = 0; k < levels; ++k) {
-      for (int l = 0; l < pack_size; ++l) {
-        total_[k] += static_cast<std::int64_t>(std::ldexp(part_[k][l], -bin_bits * (top_ - k)));
-      }
+      // In units of the bin, in two factors since the inverse of the smallest unit overflows.
+      const int exponent = -bin_bits * (top_ - k);
+      const double half = std::ldexp(1.0, exponent / 2);
+      const double rest = std::ldexp(1.0, exponent - exponent / 2);
+      for (int l = 0; l < pack_size; ++l) total_[k] += static_cast<std::int64_t>((part_[k][l] * half) * rest);
       part_[k] = Pack(0.0);
     }
   }
@@ -48,8 +51,9 @@ Pack ReproducibleSum::raise(Pack x) {
       largest = std::abs(v);
     }
   }
-  int top = min_top;
-  while (std::ldexp(1.0, bin_bits * (top + 1)) <= largest) ++top;
+  // The bin that holds the largest: its exponent over bin_bits, rounded down.
+  const int exponent = largest > 0.0 ? std::ilogb(largest) : bin_bits * min_top;
+  const int top = std::max(min_top, (exponent - bin_bits * min_top) / bin_bits + min_top);
   if (top > top_) shift_to(top);
   return x;
 }

@@ -27,6 +27,8 @@ class DiffusionOperator {
   /// D_s/dx^2 and D_s/dy^2 (0 in one dimension).
   double k_x(int species) const { return coefficient(species) * inverse_dx2_[0]; }
   double k_y(int species) const { return coefficient(species) * inverse_dx2_[1]; }
+  /// (dx/dy)^2: k_y over k_x, the same for all species (0 in one dimension).
+  double anisotropy() const { return inverse_dx2_[1] / inverse_dx2_[0]; }
   /// Largest eigenvalue of -D_s Laplacian: exact bound, never below.
   double spectral_radius(int species) const;
   /// The largest over all species.

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "stiffront/control/bdf_control.hpp"
+#include "stiffront/control/bdf_history.hpp"
+#include "stiffront/control/method.hpp"
+#include "stiffront/mesh/halo_exchange.hpp"
+#include "stiffront/solvers/model_kernels.hpp"
+#include "stiffront/solvers/sbdf_kernel.hpp"
+#include "stiffront/space/coupled_rhs.hpp"
+#include "stiffront/space/diffusion_operator.hpp"
+
+namespace stiffront {
+
+struct SbdfOptions {
+  double relative_tolerance = 1e-4;
+  std::vector<double> absolute_tolerance;  ///< one per species, or one for all, or none: see Sbdf
+  int max_order = 5;                       ///< 1 .. 5
+  int max_sweeps = 12;                     ///< 1 .. sbdf_max_sweeps
+  double initial_step = 0.0;               ///< 0: automatic
+};
+
+/// Backward differentiation of variable order 1..5 and variable step for u' = D Laplacian(u) + rates(t, u), solved by
+/// sweeps that never couple cells implicitly.
+///
+/// The predictor extrapolates through k+1 earlier states. Each of s sweeps evaluates the whole right-hand side at the
+/// last iterate and makes one linearly implicit correction per cell, damped by a shift that stands for the diffusion
+/// (solvers/sbdf_kernel.hpp); the shifts make the s sweeps a polynomial that is small on the whole spectrum of the
+/// diffusion. s is the smallest number that keeps the step stable (control/sbdf_tables.hpp). The error estimate is the
+/// difference to the predictor.
+///
+/// Without absolute tolerances those of a species are relative_tolerance times the largest of: a thousandth of its
+/// largest modulus, a tenth of the smaller of its largest positive and negative values (a species that changes sign is
+/// not resolved about zero), a millionth of the largest modulus of any species. The moduli are those of the initial and
+/// of all later states.
+///
+/// @mpi    One halo exchange per sweep (diffusing species only), one agreement per step attempt.
+/// @cost   per sweep and cell: one evaluation of rates and Jacobian, one m x m solve; 5 + max_order fields of memory
+/// @see    docs/sbdf.md; Hagstrom & Zhou, Commun. Appl. Math. Comput. Sci. 1(1), 2006, section 5 (the splitting of the
+/// Jacobian)
+class Sbdf final : public Method {
+ public:
+  /// @param shape a field of the shape of the states
+  /// @param rhs of the model; used for the first step. Must outlive the method.
+  /// @throws Error(input) for options out of range
+  Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfOptions options);
+
+  double first_step(double t, double t_end, Field& u) override;
+  Attempt attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) override;
+  void accept(Field& u, Field& u_new) override;
+  void restart(double t) override;
+  void visit_state(StateVisitor& visitor) override;
+
+  int order() const { return control_.order(); }
+
+ private:
+  /// What a step is made of, fixed before the first sweep.
+  struct Step {
+    int order = 1;
+    int sweeps = 1;
+    std::size_t points = 1;  ///< of the predictor
+    double gamma = 0.0;
+    double error_factor = 0.0;  ///< local error per difference to the predictor
+    BdfWeights predictor{};
+    BdfWeights history{};
+    bool tests_order = false;
+    double lower_factor = 0.0;
+    double upper_factor = 0.0;
+    BdfWeights lower{};
+    BdfWeights upper{};
+  };
+
+  int sweeps_for(int order, double dt) const;
+  double cap_step(int order, double dt) const;
+  Step plan(double dt) const;
+  void gather_states(const Field& u);
+  void ensure_slope(double t, Field& u);
+  void update_tolerances(std::span<const double> extremes);
+  double norm(const ReproducibleSum& sum) const;
+  void sweep(const Step& step, double t_new, const Field& v, Field& out, double shift);
+  Field& ring(std::size_t i) { return history_[(newest_ + i) % history_.size()]; }
+  const Field& ring(std::size_t i) const { return history_[(newest_ + i) % history_.size()]; }
+
+  CoupledRhs* rhs_;
+  const DiffusionOperator* diffusion_;
+  const Communicator* comm_;
+  SbdfOptions options_;
+  std::unique_ptr<SbdfKernel> kernel_;
+  HaloExchange halo_;
+  FreeBox free_;
+  FreeBox interior_;
+  std::vector<FreeBox> edges_;
+  bool has_neighbours_;
+  double cells_;  ///< evolving points of the whole grid
+  double rho_;
+
+  BdfControl control_;
+  std::vector<double> extremes_;  ///< largest values of each species so far, then largest negative ones
+  std::vector<double> absolute_;
+
+  std::vector<Field> history_;  ///< ring of the states before u, newest first from newest_
+  std::size_t newest_ = 0;
+  std::size_t states_ = 1;                      ///< states known, u included
+  std::array<double, bdf_max_points> steps_{};  ///< steps_[i]: from state i+1 to state i, u being state 0
+  bool has_slope_ = false;                      ///< states_ is 1 and the newest ring entry holds F(t, u)
+  Field predictor_;
+  Field right_side_;
+  Field work_;
+
+  Agreement agreement_;
+  std::array<const Field*, bdf_max_points> pointers_{};
+  double attempted_dt_ = 0.0;
+};
+
+}  // namespace stiffront

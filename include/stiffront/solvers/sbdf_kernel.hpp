@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <algorithm>
+
+#include "stiffront/core/sparse_dual.hpp"
+#include "stiffront/mesh/boundary.hpp"
+#include "stiffront/mesh/field.hpp"
+#include "stiffront/model/model.hpp"
+#include "stiffront/solvers/sparse_cell_solve.hpp"
+#include "stiffront/space/diffusion_operator.hpp"
+
+namespace stiffront {
+
+/// One sweep towards the solution v of the BDF equation v = r + gamma (rates(t, v) + D Laplacian(v)): in every cell
+///
+///     (1 - gamma J + gamma g rho/2) delta = r - v + gamma (rates(t, v) + D Laplacian(v)),    out = v + delta,
+///
+/// with the reaction Jacobian J of the cell at v and rho, for each species, the spectral radius of its diffusion.
+struct SbdfSweep {
+  double t = 0.0;
+  double gamma = 0.0;
+  double shift = 0.0;        ///< g
+  const Field* v = nullptr;  ///< halo up to date
+  const Field* r = nullptr;
+  Field* out = nullptr;  ///< distinct from v
+};
+
+/// The sweeps of one model's equations.
+class SbdfKernel {
+ public:
+  virtual ~SbdfKernel() = default;
+  /// Makes a sweep at the points of the box; other points of `out` are left alone. No communication.
+  virtual void sweep(const DiffusionOperator& diffusion, const SbdfSweep& sweep, const FreeBox& box) const = 0;
+};
+
+template <Model M>
+class SbdfKernelOf final : public SbdfKernel {
+ public:
+  explicit SbdfKernelOf(M model) : model_(std::move(model)) {}
+
+  void sweep(const DiffusionOperator& diffusion, const SbdfSweep& sweep, const FreeBox& box) const override {
+    diffusion.dispatch([&]<int Order, int Dimension>() { rows<Order, Dimension>(diffusion, sweep, box); });
+  }
+
+ private:
+  static constexpr int m = M::n_species;
+
+  /// A row of cells seen from one of its points: what the cell loop reads and writes, and where it is.
+  struct Row {
+    const double* v[m];
+    const double* r[m];
+    double* out[m];
+    std::ptrdiff_t stride;  ///< from row to row of v
+    double first;           ///< global index of the point
+    Pack lane;              ///< offsets of the cells of a pack from its first
+    double y;
+  };
+
+  template <int Order, int Dimension>
+  void rows(const DiffusionOperator& diffusion, const SbdfSweep& sweep, const FreeBox& box) const {
+    const Decomposition& d = sweep.v->decomposition();
+    const int n = box.i_end - box.i_begin;
+    for (int j = box.j_begin; j < box.j_end && n > 0; ++j) {
+      Row row;
+      for (int s = 0; s < m; ++s) {
+        row.v[s] = sweep.v->row(s, j) + box.i_begin;
+        row.r[s] = sweep.r->row(s, j) + box.i_begin;
+        row.out[s] = sweep.out->row(s, j) + box.i_begin;
+      }
+      row.stride = sweep.v->row_stride();
+      row.first = static_cast<double>(d.offset_x() + box.i_begin);
+      for (int l = 0; l < pack_size; ++l) row.lane.set(l, std::min(l, n - 1));
+      row.y = Dimension == 2 ? d.grid().position(1, d.offset_y() + j) : 0.0;
+      if (n >= pack_size) {
+        cells<Order, Dimension>(diffusion, sweep, row, n);
+      } else {
+        short_row<Order, Dimension>(diffusion, sweep, row, n);
+      }
+    }
+  }
+
+  /// Makes a row of fewer cells than a pack holds a full one; the other lanes hold the halo's last value, or the last
+  /// cell's where nothing diffuses and the halo is not kept, so that no rate is evaluated at made-up states.
+  template <int Order, int Dimension>
+  void short_row(const DiffusionOperator& diffusion, const SbdfSweep& sweep, Row row, int n) const {
+    constexpr int w = Order / 2;
+    constexpr int w_y = Dimension == 2 ? w : 0;
+    constexpr int length = pack_size + 2 * w;
+    double v[m][2 * w_y + 1][length];
+    double r[m][pack_size];
+    double out[m][pack_size];
+    double* target[m];
+    for (int s = 0; s < m; ++s) {
+      const int last = diffusion.coefficient(s) > 0.0 ? n - 1 + w : n - 1;
+      for (int j = -w_y; j <= w_y; ++j) {
+        for (int i = -w; i < pack_size + w; ++i) v[s][j + w_y][i + w] = row.v[s][j * row.stride + std::min(i, last)];
+      }
+      for (int i = 0; i < pack_size; ++i) r[s][i] = row.r[s][std::min(i, n - 1)];
+    }
+    for (int s = 0; s < m; ++s) {
+      target[s] = row.out[s];
+      row.v[s] = &v[s][w_y][w];
+      row.r[s] = r[s];
+      row.out[s] = out[s];
+    }
+    row.stride = length;
+    cells<Order, Dimension>(diffusion, sweep, row, pack_size);
+    for (int s = 0; s < m; ++s) std::copy_n(out[s], n, target[s]);
+  }
+
+  /// n >= pack_size cells. The last pack overlaps the one before: its common cells are computed twice, with the same
+  /// bits.
+  template <int Order, int Dimension>
+  [[gnu::flatten]] void cells(const DiffusionOperator& diffusion, const SbdfSweep& sweep, const Row& row, int n) const {
+    // Everything the loop needs in locals: what is reached through a pointer would be read again after every store.
+    const M model = model_;
+    const Pack gamma(sweep.gamma);
+    const Pack minus_gamma(-sweep.gamma);
+    const Pack time(sweep.t);
+    const Grid& grid = sweep.v->decomposition().grid();
+    const Pack lower(grid.lower[0]);
+    const Pack spacing(grid.spacing(0));
+    const Pack y(row.y);
+    const Pack lane = row.lane;
+    const double first = row.first;
+    const std::ptrdiff_t stride = row.stride;
+    const Pack anisotropy(diffusion.anisotropy());
+    double k[m];
+    double diagonal[m];
+    const double* v[m];
+    const double* r[m];
+    double* out[m];
+    for (int s = 0; s < m; ++s) {
+      v[s] = row.v[s];
+      r[s] = row.r[s];
+      out[s] = row.out[s];
+      k[s] = diffusion.k_x(s);
+      diagonal[s] = 1.0 + 0.5 * sweep.gamma * sweep.shift * diffusion.spectral_radius(s);
+    }
+    for (int begin = 0; begin < n; begin += pack_size) {
+      const int i = std::min(begin, n - pack_size);
+      Pack centre[m];
+      SparseDual<Pack, m> u[m];
+      SparseDual<Pack, m> rate[m];
+      unroll<m>([&](auto s) __attribute__((always_inline)) {
+        centre[s] = Pack::load(v[s] + i);
+        u[s] = SparseDual<Pack, m>::variable(centre[s], s);
+      });
+      model.rates(u, rate, Place<Pack>{time, lower + (Pack(first + i) + lane) * spacing, y});
+      Sparse<Pack> a[m][m];
+      Sparse<Pack> b[m];
+      unroll<m>([&](auto s) __attribute__((always_inline)) {
+        // A species that does not diffuse takes part with k = 0: cheaper than a branch. Its halo is finite.
+        Pack difference = second_difference<Order>(v[s] + i, 1, centre[s]);
+        // With equal spacings the factor is 1 and x and y enter alike: symmetric data stay symmetric.
+        if constexpr (Dimension == 2) {
+          difference = mul_add(anisotropy, second_difference<Order>(v[s] + i, stride, centre[s]), difference);
+        }
+        const Pack change = mul_add(Pack(k[s]), difference, rate[s].value);
+        b[s] = mul_add(gamma, change, Pack::load(r[s] + i) - centre[s]);
+        unroll<m>([&](auto q) __attribute__((always_inline)) {
+          a[s][q] = s == q ? mul_add(rate[s].derivative[q], Sparse<Pack>(minus_gamma), Sparse<Pack>(Pack(diagonal[s])))
+                           : rate[s].derivative[q] * Sparse<Pack>(minus_gamma);
+        });
+      });
+      sparse_cell_solve(a, b);
+      unroll<m>([&](auto s) __attribute__((always_inline)) { (centre[s] + b[s].value).store(out[s] + i); });
+    }
+  }
+
+  M model_;
+};
+
+}  // namespace stiffront

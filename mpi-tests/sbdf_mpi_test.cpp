@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "stiffront/control/evolve.hpp"
+#include "stiffront/control/sbdf.hpp"
+#include "stiffront/model/builtin/bz.hpp"
+#include "stiffront/model/builtin/pulse.hpp"
+#include "support/diffusion_problem.hpp"
+
+namespace stiffront {
+namespace {
+
+using testing::both_sides;
+using testing::DiffusionProblem;
+using testing::scatter;
+using testing::unit_grid;
+
+struct Setting {
+  const char* name;
+  Grid grid;
+  BoundaryKind x, y;
+  int order;
+};
+void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
+
+/// Every layout of the ranks over the grid.
+std::vector<std::array<int, 2>> layouts(int ranks, const Grid& grid) {
+  std::vector<std::array<int, 2>> all;
+  for (int p = 1; p <= ranks; ++p) {
+    if (ranks % p != 0) continue;
+    if (grid.dimension == 1 && p != ranks) continue;
+    all.push_back({p, ranks / p});
+  }
+  return all;
+}
+
+struct Outcome {
+  Field u;
+  std::vector<double> dt;
+  std::vector<double> error;
+  Work work;
+};
+
+class Recorder final : public Observer {
+ public:
+  explicit Recorder(Outcome& outcome) : outcome_(&outcome) {}
+  void attempted(const StepRecord& r) override {
+    outcome_->dt.push_back(r.dt);
+    outcome_->error.push_back(r.attempt.error);
+    outcome_->work += r.attempt.work;
+  }
+  bool carry_on(std::uint64_t, std::int64_t step, double, double, Field&) override { return step < 70; }
+
+ private:
+  Outcome* outcome_;
+};
+
+template <class M>
+Outcome run(const DiffusionProblem& p, double tolerance, const std::vector<double>& amplitude) {
+  ModelKernelsOf<M> model({});
+  CoupledRhs rhs(p.decomposition, p.diffusion, model);
+  Outcome r{p.field([&](int s, double x, double y) {
+              const auto species = static_cast<std::size_t>(s);
+              return amplitude[species] *
+                     (0.2 + (x + y < 0.4 ? 1.0 : 0.0) + 0.01 * scatter(std::lround(1e6 * x), std::lround(1e6 * y), s));
+            }),
+            {},
+            {},
+            {}};
+  SbdfOptions options;
+  options.relative_tolerance = tolerance;
+  Sbdf method(r.u, rhs, model, options);
+  Progress progress;
+  Recorder recorder(r);
+  evolve(method, Schedule{}, r.u, progress, recorder);
+  return r;
+}
+
+class SbdfMpi : public ::testing::TestWithParam<Setting> {};
+
+TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
+  const Setting& setting = GetParam();
+  const Communicator world(MPI_COMM_WORLD);
+  const Communicator self(MPI_COMM_SELF);
+  const auto value = [](double t, double x, double y) { return 0.3 + 0.1 * std::cos(9.0 * t) + 0.1 * x * y; };
+  const auto compare = [&]<class M>(const M&, std::vector<double> diffusion, const std::vector<double>& amplitude) {
+    const std::array<std::array<BoundarySide, 2>, 2> sides{both_sides(setting.x, M::n_species, value, true),
+                                                           both_sides(setting.y, M::n_species, value, true)};
+    const DiffusionProblem alone(self, setting.grid, sides, diffusion, setting.order);
+    for (double tolerance : {1e-2, 1e-5}) {
+      const Outcome expected = run<M>(alone, tolerance, amplitude);
+      if (tolerance == 1e-2) {
+        EXPECT_GT(expected.work.sweeps, static_cast<std::int64_t>(expected.dt.size()))
+            << "several sweeps a step are tested";
+      }
+      for (const std::array<int, 2>& layout : layouts(world.size(), setting.grid)) {
+        const DiffusionProblem shared(world, setting.grid, sides, diffusion, setting.order, layout);
+        const std::int64_t before = world.reductions();
+        const Outcome got = run<M>(shared, tolerance, amplitude);
+        EXPECT_EQ(got.dt, expected.dt);
+        EXPECT_EQ(got.error, expected.error);
+        EXPECT_EQ(got.work.halo_exchanges, got.work.sweeps);
+        // One agreement per attempt, and those of the first step.
+        EXPECT_LE(world.reductions() - before, static_cast<std::int64_t>(got.dt.size()) + 3);
+        const Decomposition& d = shared.decomposition;
+        for (int s = 0; s < M::n_species; ++s) {
+          for (int j = 0; j < got.u.n_y(); ++j) {
+            for (int i = 0; i < got.u.n_x(); ++i) {
+              ASSERT_EQ(got.u.at(s, i, j),
+                        expected.u.at(s, static_cast<int>(d.offset_x()) + i, static_cast<int>(d.offset_y()) + j))
+                  << s << ' ' << i << ' ' << j;
+            }
+          }
+        }
+      }
+    }
+  };
+  compare(Bz{}, {0.25, 0.25, 0.15}, {5.0, 0.5, 0.2});
+  compare(Pulse{}, {0.5, 0.0}, {1.0, 1.0});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, SbdfMpi,
+    ::testing::Values(
+        Setting{"line_neumann_2", unit_grid(203, 1), BoundaryKind::neumann, BoundaryKind::neumann, 2},
+        Setting{"line_dirichlet_4", unit_grid(101, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 4},
+        Setting{"line_periodic_4", unit_grid(97, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
+        Setting{"square_neumann_2", unit_grid(61, 47), BoundaryKind::neumann, BoundaryKind::neumann, 2},
+        Setting{"square_neumann_4", unit_grid(45, 52), BoundaryKind::neumann, BoundaryKind::neumann, 4},
+        Setting{"square_periodic_2", unit_grid(40, 37, true, true), BoundaryKind::periodic, BoundaryKind::periodic, 2},
+        Setting{"square_mixed_4", unit_grid(50, 33, false, true), BoundaryKind::dirichlet, BoundaryKind::periodic, 4},
+        Setting{"square_dirichlet_2", unit_grid(33, 50), BoundaryKind::neumann, BoundaryKind::dirichlet, 2}),
+    [](const auto& parameter) { return std::string(parameter.param.name); });
+
+}  // namespace
+}  // namespace stiffront

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/control/sbdf.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "stiffront/control/sbdf_stability.hpp"
+#include "stiffront/control/sbdf_tables.hpp"
+#include "stiffront/core/error.hpp"
+
+namespace stiffront {
+namespace {
+
+/// The largest step at this order and number of sweeps times the spectral radius.
+double usable_z(int order, int sweeps) { return sbdf_z_safety(order) * sbdf_z_limit(order, sweeps); }
+
+SbdfOptions checked(SbdfOptions o, int n_species) {
+  if (!(o.relative_tolerance > 0.0)) {
+    throw Error(ErrorKind::input,
+                fmt::format("method.relative_tolerance: expected a positive number, got {}", o.relative_tolerance));
+  }
+  if (o.absolute_tolerance.size() == 1)
+    o.absolute_tolerance.resize(static_cast<std::size_t>(n_species), o.absolute_tolerance[0]);
+  if (!o.absolute_tolerance.empty() && o.absolute_tolerance.size() != static_cast<std::size_t>(n_species)) {
+    throw Error(ErrorKind::input, fmt::format("method.absolute_tolerance: expected 1 or {} numbers, got {}", n_species,
+                                              o.absolute_tolerance.size()));
+  }
+  for (double a : o.absolute_tolerance) {
+    if (!(a > 0.0))
+      throw Error(ErrorKind::input, fmt::format("method.absolute_tolerance: expected positive numbers, got {}", a));
+  }
+  if (o.max_order < 1 || o.max_order > sbdf_max_order) {
+    throw Error(ErrorKind::input,
+                fmt::format("method.max_order: expected 1 to {}, got {}", sbdf_max_order, o.max_order));
+  }
+  if (o.max_sweeps < 1 || o.max_sweeps > sbdf_max_sweeps) {
+    throw Error(ErrorKind::input,
+                fmt::format("method.max_sweeps: expected 1 to {}, got {}", sbdf_max_sweeps, o.max_sweeps));
+  }
+  if (!(o.initial_step >= 0.0)) {
+    throw Error(ErrorKind::input, fmt::format("method.initial_step: expected a number >= 0, got {}", o.initial_step));
+  }
+  return o;
+}
+
+}  // namespace
+
+Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfOptions options)
+    : rhs_(&rhs),
+      diffusion_(&rhs.diffusion()),
+      comm_(&shape.comm()),
+      options_(checked(std::move(options), shape.n_species())),
+      kernel_(model.make_sbdf()),
+      halo_(shape.decomposition(), diffusion_->boundary(), shape.n_species(), 1, diffusion_->halo_width(),
+            diffusion_->diffusing_species()),
+      free_(rhs.free_box()),
+      interior_(free_),
+      has_neighbours_(false),
+      cells_(static_cast<double>(diffusion_->boundary().free_points(shape.decomposition().grid()))),
+      rho_(diffusion_->spectral_radius()),
+      control_(options_.max_order),
+      extremes_(2 * static_cast<std::size_t>(shape.n_species()), 0.0),
+      absolute_(options_.absolute_tolerance),
+      predictor_(shape.similar()),
+      right_side_(shape.similar()),
+      work_(shape.similar()),
+      agreement_(3, 2 * shape.n_species()) {
+  absolute_.resize(static_cast<std::size_t>(shape.n_species()), 0.0);
+  const Decomposition& decomposition = shape.decomposition();
+  for (int i = 0; i < options_.max_order; ++i) history_.push_back(predictor_.similar());
+
+  // What needs no halo can be swept while messages travel. Columns at the sides come in whole packs.
+  const int w = diffusion_->halo_width();
+  const auto is_neighbour = [&](int dx, int dy) { return decomposition.neighbour(dx, dy) != MPI_PROC_NULL; };
+  has_neighbours_ = is_neighbour(-1, 0) || is_neighbour(1, 0) || is_neighbour(0, -1) || is_neighbour(0, 1);
+  if (has_neighbours_) {
+    const int columns = std::min(pack_size, std::max(w, (free_.i_end - free_.i_begin) / 2));
+    const int rows = decomposition.grid().dimension == 2 ? w : 0;
+    interior_.i_begin = std::min(free_.i_begin + columns, free_.i_end);
+    interior_.i_end = std::max(interior_.i_begin, free_.i_end - columns);
+    interior_.j_begin = std::min(free_.j_begin + rows, free_.j_end);
+    interior_.j_end = std::max(interior_.j_begin, free_.j_end - rows);
+    edges_ = {{free_.i_begin, free_.i_end, free_.j_begin, interior_.j_begin},
+              {free_.i_begin, free_.i_end, interior_.j_end, free_.j_end},
+              {free_.i_begin, interior_.i_begin, interior_.j_begin, interior_.j_end},
+              {interior_.i_end, free_.i_end, interior_.j_begin, interior_.j_end}};
+    std::erase_if(edges_, [](const FreeBox& b) { return b.i_begin >= b.i_end || b.j_begin >= b.j_end; });
+  }
+}
+
+int Sbdf::sweeps_for(int order, double dt) const {
+  int s = 1;
+  while (s < options_.max_sweeps && usable_z(order, s) < dt * rho_) ++s;
+  return s;
+}
+
+double Sbdf::cap_step(int order, double dt) const {
+  // Largest step per cost; a step costs its sweeps and the work on the history.
+  double best = 0.0;
+  double best_dt = std::min(dt, usable_z(order, 1) / rho_);
+  for (int s = 1; s <= options_.max_sweeps; ++s) {
+    const double h = std::min(dt, usable_z(order, s) / rho_);
+    const double rate = h / (s + 0.6 + 0.1 * order);
+    if (rate > best) {
+      best = rate;
+      best_dt = h;
+    }
+    if (h == dt) break;
+  }
+  return best_dt;
+}
+
+Sbdf::Step Sbdf::plan(double dt) const {
+  Step step;
+  step.order = control_.order();
+  step.sweeps = sweeps_for(step.order, dt);
+  if (states_ == 1) {
+    // u + dt F(u): the error of the first implicit Euler step is half of its difference to the explicit one.
+    step.points = 2;
+    step.gamma = dt;
+    step.error_factor = 0.5;
+    step.predictor = {1.0, dt};
+    step.history = {1.0};
+    return step;
+  }
+  const auto k = static_cast<std::size_t>(step.order);
+  step.points = k + 1;
+  std::array<double, bdf_max_points + 1> steps{};
+  steps[0] = dt;
+  double back = dt;
+  for (std::size_t i = 1; i < states_ && i < steps.size(); ++i) steps[i] = steps_[i - 1];
+  for (std::size_t i = 1; i <= k; ++i) back += steps[i];
+  const auto weights = sbdf_stability::step_weights(step.order, steps);
+  step.gamma = weights.gamma * dt;
+  step.error_factor = step.gamma / back;
+  std::copy(weights.predictor.begin(), weights.predictor.end(), step.predictor.begin());
+  std::copy(weights.history.begin(), weights.history.end(), step.history.begin());
+  step.tests_order = control_.wants_order_test();
+  if (step.tests_order) {
+    if (step.order > 1) {
+      const auto lower = sbdf_stability::step_weights(step.order - 1, steps);
+      std::copy(lower.predictor.begin(), lower.predictor.end(), step.lower.begin());
+      step.lower_factor = lower.gamma * dt / (back - steps[k]);
+    }
+    if (step.order < options_.max_order && states_ >= k + 2) {
+      const auto upper = sbdf_stability::step_weights(step.order + 1, steps);
+      std::copy(upper.predictor.begin(), upper.predictor.end(), step.upper.begin());
+      step.upper_factor = upper.gamma * dt / (back + steps[k + 1]);
+    }
+  }
+  return step;
+}
+
+void Sbdf::gather_states(const Field& u) {
+  pointers_[0] = &u;
+  for (std::size_t i = 1; i < bdf_max_points && i <= history_.size(); ++i) pointers_[i] = &ring(i - 1);
+}
+
+void Sbdf::update_tolerances(std::span<const double> extremes) {
+  if (!options_.absolute_tolerance.empty()) return;
+  const std::size_t m = absolute_.size();
+  double top = 0.0;
+  for (std::size_t s = 0; s < 2 * m; ++s) {
+    extremes_[s] = std::max(extremes_[s], extremes[s]);
+    top = std::max(top, extremes_[s]);
+  }
+  if (top == 0.0) top = 1.0;
+  for (std::size_t s = 0; s < m; ++s) {
+    const double larger = std::max(extremes_[s], extremes_[m + s]);
+    const double smaller = std::min(extremes_[s], extremes_[m + s]);
+    absolute_[s] = options_.relative_tolerance * std::max({1e-3 * larger, 0.1 * smaller, 1e-6 * top});
+  }
+}
+
+double Sbdf::norm(const ReproducibleSum& sum) const {
+  const double n_species = static_cast<double>(absolute_.size());
+  return std::pow(sum.value() / (cells_ * n_species * n_species), 0.25);
+}
+
+void Sbdf::ensure_slope(double t, Field& u) {
+  if (has_slope_) return;
+  rhs_->evaluate(t, u, ring(0));
+  has_slope_ = true;
+}
+
+double Sbdf::first_step(double t, double t_end, Field& u) {
+  ensure_slope(t, u);
+  // The scales, and the slope in them: |F| by the norm of the error test.
+  const Field& f = ring(0);
+  const auto m = static_cast<std::size_t>(u.n_species());
+  Agreement a(1, 2 * u.n_species());
+  for (std::size_t s = 0; s < m; ++s) {
+    for (int j = free_.j_begin; j < free_.j_end; ++j) {
+      for (int i = free_.i_begin; i < free_.i_end; ++i) {
+        const double x = u.at(static_cast<int>(s), i, j);
+        a.maxima[s] = std::max(a.maxima[s], x);
+        a.maxima[m + s] = std::max(a.maxima[m + s], -x);
+      }
+    }
+  }
+  comm_->agree(a);
+  update_tolerances(a.maxima);
+  if (options_.initial_step > 0.0) return std::min(options_.initial_step, t_end - t);
+  a.sums[0].reset();
+  for (int j = free_.j_begin; j < free_.j_end; ++j) {
+    for (int i = free_.i_begin; i < free_.i_end; ++i) {
+      double sum = 0.0;
+      for (int s = 0; s < u.n_species(); ++s) {
+        const double x = f.at(s, i, j) / (options_.relative_tolerance * std::abs(u.at(s, i, j)) +
+                                          absolute_[static_cast<std::size_t>(s)]);
+        sum += x * x;
+      }
+      a.sums[0].add(sum * sum);
+    }
+  }
+  comm_->agree(a);
+  const double speed = norm(a.sums[0]);
+  const double h = speed > 0.0 ? 0.5 / speed : 1e-3 * (t_end - t);
+  return cap_step(1, std::min(h, t_end - t));
+}
+
+void Sbdf::sweep(const Step& step, double t_new, const Field& v, Field& out, double shift) {
+  SbdfSweep sweep;
+  sweep.t = t_new;
+  sweep.gamma = step.gamma;
+  sweep.shift = shift;
+  sweep.v = &v;
+  sweep.r = &right_side_;
+  sweep.out = &out;
+  if (!has_neighbours_) {
+    halo_.finish();
+    kernel_->sweep(*diffusion_, sweep, free_);
+    return;
+  }
+  kernel_->sweep(*diffusion_, sweep, interior_);
+  halo_.finish();
+  for (const FreeBox& edge : edges_) kernel_->sweep(*diffusion_, sweep, edge);
+}
+
+Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
+  Attempt attempt;
+  attempt.iterations = control_.order();
+  if (states_ == 1) ensure_slope(t, u);
+  if (absolute_[0] == 0.0) update_tolerances(extremes_);
+  gather_states(u);
+  const Step step = plan(dt);
+  const double t_new = t + dt;
+
+  const std::span<const Field* const> states(pointers_.data(), bdf_max_points);
+  bdf_combine(states.first(step.points), step.predictor, step.history, predictor_, right_side_, free_);
+  const Boundary& boundary = diffusion_->boundary();
+  if (boundary.has_dirichlet()) {
+    boundary.impose(predictor_, t_new);
+    boundary.impose(u_new, t_new);
+    if (step.sweeps > 1) boundary.impose(work_, t_new);
+  }
+
+  const auto shifts = sbdf_shifts(step.order, step.sweeps);
+  Field* v = &predictor_;
+  for (int j = 0; j < step.sweeps; ++j) {
+    Field* out = (step.sweeps - 1 - j) % 2 == 0 ? &u_new : &work_;
+    Field* const exchanged = v;
+    halo_.begin(std::span<Field* const>(&exchanged, 1));
+    sweep(step, t_new, *v, *out, shifts[static_cast<std::size_t>(j)]);
+    v = out;
+  }
+  const auto cells = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
+  attempt.work.sweeps = step.sweeps;
+  attempt.work.halo_exchanges = step.sweeps;
+  attempt.work.reaction_rhs = attempt.work.reaction_jacobians = cells * step.sweeps;
+
+  const BdfTolerances tolerances{options_.relative_tolerance, absolute_};
+  BdfErrors errors;
+  for (ReproducibleSum& s : agreement_.sums) s.reset();
+  agreement_.flags = flags;
+  if (step.tests_order) {
+    std::fill(agreement_.maxima.begin(), agreement_.maxima.end(), 0.0);
+    BdfOrderSums sums;
+    bdf_add_order_differences(u_new, predictor_,
+                              states.first(std::min({states_, step.points + 1, history_.size() + 1})), step.lower,
+                              step.upper, tolerances, free_, sums, agreement_.maxima);
+    agreement_.sums[0] = sums.same;
+    agreement_.sums[1] = sums.lower;
+    agreement_.sums[2] = sums.upper;
+    comm_->agree(agreement_);
+    if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
+    if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);
+  } else {
+    bdf_add_difference(u_new, predictor_, tolerances, free_, agreement_.sums[0]);
+    comm_->agree(agreement_);
+  }
+  errors.same = step.error_factor * norm(agreement_.sums[0]);
+  flags = agreement_.flags;
+
+  attempt.error = errors.same;
+  attempt.accepted = errors.same <= 1.0;
+  attempted_dt_ = dt;
+  if (!attempt.accepted) {
+    const bool finite = std::isfinite(errors.same);
+    if (!finite) flags |= step_flags::not_finite;
+    attempt.dt_next = control_.rejected(dt, errors.same);
+    attempt.dt_next = std::min(attempt.dt_next, cap_step(control_.order(), attempt.dt_next));
+    attempt.reason =
+        finite ? fmt::format("the error estimate at order {} is {:.3g} times the tolerance", step.order, errors.same)
+               : std::string("the new state is not finite");
+    return attempt;
+  }
+  if (step.tests_order) update_tolerances(agreement_.maxima);
+  attempt.dt_next = control_.accepted(dt, errors, [this](int order, double wanted) { return cap_step(order, wanted); });
+  return attempt;
+}
+
+void Sbdf::accept(Field& u, Field& u_new) {
+  newest_ = (newest_ + history_.size() - 1) % history_.size();
+  swap(history_[newest_], u);  // the oldest state's storage now is in u
+  swap(u, u_new);
+  for (std::size_t i = steps_.size() - 1; i > 0; --i) steps_[i] = steps_[i - 1];
+  steps_[0] = attempted_dt_;
+  states_ = std::min(states_ + 1, history_.size() + 1);
+  has_slope_ = false;
+}
+
+void Sbdf::restart(double t) {
+  static_cast<void>(t);
+  states_ = 1;
+  has_slope_ = false;
+  control_.restart();
+}
+
+void Sbdf::visit_state(StateVisitor& visitor) {
+  std::vector<double> control = control_.state();
+  visitor.numbers("control", control);
+  control_.set_state(control);
+  visitor.numbers("extremes", extremes_);
+  visitor.numbers("absolute", absolute_);
+  visitor.integer("states", states_);
+  std::vector<double> steps(steps_.begin(), steps_.end());
+  visitor.numbers("steps", steps);
+  std::copy(steps.begin(), steps.end(), steps_.begin());
+  for (std::size_t i = 0; i + 1 < states_; ++i) visitor.field(fmt::format("history-{}", i + 1), ring(i));
+}
+
+}  // namespace stiffront
