@@ -7,7 +7,8 @@ set(STIFFRONT_MPI_ENVIRONMENT
 
 function(mpi_test)
   cmake_parse_arguments(arg "" "NAME" "SOURCES;RANKS" ${ARGN})
-  add_executable(${arg_NAME} ${arg_SOURCES} ${PROJECT_SOURCE_DIR}/mpi-tests/support/mpi_main.cpp)
+  add_executable(${arg_NAME} ${arg_SOURCES} ${PROJECT_SOURCE_DIR}/mpi-tests/support/mpi_main.cpp
+    ${PROJECT_SOURCE_DIR}/mpi-tests/support/mpi_ledger.cpp)
   target_include_directories(${arg_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/mpi-tests)
   target_link_libraries(${arg_NAME} PRIVATE stiffront::stiffront GTest::gtest)
   target_compile_definitions(${arg_NAME} PRIVATE STIFFRONT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -15,7 +15,7 @@
 namespace stiffront {
 namespace {
 
-using test::Sides;
+using testing::Sides;
 
 constexpr double untouched = -1.0;
 
@@ -27,7 +27,7 @@ double mark(int field, int species, std::int64_t i, std::int64_t j) {
 
 /// The point a point of the halo stands for.
 std::int64_t image(std::int64_t i, std::int64_t n, const Sides& sides) {
-  if (sides == test::periodic) return (i + n) % n;
+  if (sides == testing::periodic) return (i + n) % n;
   if (i < 0 && sides[0] == BoundaryKind::neumann) return -i;
   if (i > n - 1 && sides[1] == BoundaryKind::neumann) return 2 * (n - 1) - i;
   return i;
@@ -44,8 +44,8 @@ struct Arrangement {
   bool corners;
 
   std::string text() const {
-    std::string s = std::to_string(grid.points[0]) + "x" + std::to_string(grid.points[1]) + " " + test::name_of(x) + "/" +
-                    test::name_of(y) + " on " + std::to_string(processes[0]) + "x" + std::to_string(processes[1]) + ", width " +
+    std::string s = std::to_string(grid.points[0]) + "x" + std::to_string(grid.points[1]) + " " + testing::name_of(x) + "/" +
+                    testing::name_of(y) + " on " + std::to_string(processes[0]) + "x" + std::to_string(processes[1]) + ", width " +
                     std::to_string(width) + ", species " + std::to_string(n_species) + ", fields " + std::to_string(n_fields);
     if (!species.empty()) s += ", a subset";
     return corners ? s + ", corners" : s;
@@ -102,7 +102,7 @@ void expect_filled(const Arrangement& a, const Field& u, int field) {
 
 void check(const Communicator& comm, const Arrangement& a) {
   const Decomposition d(comm, a.grid, a.processes, a.width);
-  const Boundary boundary = test::boundary_of(a.x, a.y, a.n_species, test::zero);
+  const Boundary boundary = testing::boundary_of(a.x, a.y, a.n_species, testing::zero);
   HaloExchange halo(d, boundary, a.n_species, a.n_fields, a.width, a.species, a.corners);
   std::vector<Field> fields;
   std::vector<Field*> pointers;
@@ -131,11 +131,11 @@ class HaloMpiTest : public ::testing::Test {
 };
 
 TEST_F(HaloMpiTest, EveryCellIsExactInOneDimension) {
-  for (const Sides& x : test::all_sides) {
+  for (const Sides& x : testing::all_sides) {
     for (const int width : {1, 2, 4}) {
       for (const int n_species : {1, 2, 3, 5}) {
         for (const int n_fields : {1, 2, 3}) {
-          check(world, {test::unit_grid(67, 0, x), x, test::neumann, {world.size(), 1}, width, n_species, n_fields, {}, false});
+          check(world, {testing::unit_grid(67, 0, x), x, testing::neumann, {world.size(), 1}, width, n_species, n_fields, {}, false});
         }
       }
     }
@@ -144,11 +144,11 @@ TEST_F(HaloMpiTest, EveryCellIsExactInOneDimension) {
 
 TEST_F(HaloMpiTest, EveryCellAndCornerIsExactInTwoDimensions) {
   for (const auto& layout : layouts(world.size())) {
-    for (const Sides& x : test::all_sides) {
-      for (const Sides& y : test::all_sides) {
+    for (const Sides& x : testing::all_sides) {
+      for (const Sides& y : testing::all_sides) {
         for (const int width : {1, 2, 4}) {
           for (const bool corners : {false, true}) {
-            check(world, {test::unit_grid(67, 61, x, y), x, y, layout, width, 1, 1, {}, corners});
+            check(world, {testing::unit_grid(67, 61, x, y), x, y, layout, width, 1, 1, {}, corners});
           }
         }
       }
@@ -158,10 +158,10 @@ TEST_F(HaloMpiTest, EveryCellAndCornerIsExactInTwoDimensions) {
 
 TEST_F(HaloMpiTest, SeveralFieldsOfSeveralSpeciesShareTheMessages) {
   for (const auto& layout : layouts(world.size())) {
-    for (const Sides& x : test::all_sides) {
+    for (const Sides& x : testing::all_sides) {
       for (int n_species = 1; n_species <= 5; ++n_species) {
         for (const int n_fields : {1, 3}) {
-          check(world, {test::unit_grid(21, 19, x, test::periodic), x, test::periodic, layout, 2, n_species, n_fields, {}, true});
+          check(world, {testing::unit_grid(21, 19, x, testing::periodic), x, testing::periodic, layout, 2, n_species, n_fields, {}, true});
         }
       }
     }
@@ -170,10 +170,10 @@ TEST_F(HaloMpiTest, SeveralFieldsOfSeveralSpeciesShareTheMessages) {
 
 TEST_F(HaloMpiTest, OnlyTheChosenSpeciesAreTouched) {
   for (const auto& layout : layouts(world.size())) {
-    for (const Sides& x : test::all_sides) {
-      for (const Sides& y : test::all_sides) {
-        check(world, {test::unit_grid(21, 19, x, y), x, y, layout, 2, 4, 2, {1, 3}, true});
-        check(world, {test::unit_grid(21, 19, x, y), x, y, layout, 1, 3, 1, {2}, false});
+    for (const Sides& x : testing::all_sides) {
+      for (const Sides& y : testing::all_sides) {
+        check(world, {testing::unit_grid(21, 19, x, y), x, y, layout, 2, 4, 2, {1, 3}, true});
+        check(world, {testing::unit_grid(21, 19, x, y), x, y, layout, 1, 3, 1, {2}, false});
       }
     }
   }
@@ -183,19 +183,19 @@ TEST_F(HaloMpiTest, OnlyTheChosenSpeciesAreTouched) {
 TEST_F(HaloMpiTest, BoxesMayBeAsNarrowAsTheHalo) {
   const auto least = [](const Sides& sides, int processes, int width) {
     if (processes > 1) return processes * width;
-    if (sides == test::periodic) return width;
-    if (sides == test::neumann) return width + 1;
-    return width == 1 ? 2 : std::max(4, width + (sides == test::mixed ? 1 : 0));
+    if (sides == testing::periodic) return width;
+    if (sides == testing::neumann) return width + 1;
+    return width == 1 ? 2 : std::max(4, width + (sides == testing::mixed ? 1 : 0));
   };
   for (const auto& layout : layouts(world.size())) {
-    for (const Sides& x : test::all_sides) {
-      for (const Sides& y : test::all_sides) {
+    for (const Sides& x : testing::all_sides) {
+      for (const Sides& y : testing::all_sides) {
         for (const int width : {1, 2, 4}) {
           for (const int more : {0, 1, 2}) {
             const int n_x = least(x, layout[0], width) + more;
             const int n_y = least(y, layout[1], width) + more;
-            check(world, {test::unit_grid(n_x, n_y, x, y), x, y, layout, width, 2, 1, {}, true});
-            if (layout[1] == 1) check(world, {test::unit_grid(n_x, 0, x), x, test::neumann, layout, width, 2, 1, {}, false});
+            check(world, {testing::unit_grid(n_x, n_y, x, y), x, y, layout, width, 2, 1, {}, true});
+            if (layout[1] == 1) check(world, {testing::unit_grid(n_x, 0, x), x, testing::neumann, layout, width, 2, 1, {}, false});
           }
         }
       }
@@ -205,9 +205,9 @@ TEST_F(HaloMpiTest, BoxesMayBeAsNarrowAsTheHalo) {
 
 TEST_F(HaloMpiTest, TooNarrowBoxesAreAnInputErrorOnEveryRank) {
   const auto refused = [&](int n_x, const Sides& x, int width) {
-    const Grid grid = test::unit_grid(n_x, 0, x);
+    const Grid grid = testing::unit_grid(n_x, 0, x);
     const Decomposition d(world, grid, {0, 0}, 1);
-    const Boundary boundary = test::boundary_of(x, test::neumann, 1, test::zero);
+    const Boundary boundary = testing::boundary_of(x, testing::neumann, 1, testing::zero);
     try {
       HaloExchange halo(d, boundary, 1, 1, width);
     } catch (const Error& e) {
@@ -218,20 +218,20 @@ TEST_F(HaloMpiTest, TooNarrowBoxesAreAnInputErrorOnEveryRank) {
     return false;
   };
   const int p = world.size();
-  EXPECT_TRUE(refused(4 * p - 1, test::periodic, 4));
-  EXPECT_FALSE(refused(4 * p, test::periodic, 4));
+  EXPECT_TRUE(refused(4 * p - 1, testing::periodic, 4));
+  EXPECT_FALSE(refused(4 * p, testing::periodic, 4));
   if (p == 1) {
-    EXPECT_TRUE(refused(2, test::neumann, 2));
-    EXPECT_FALSE(refused(3, test::neumann, 2));
-    EXPECT_TRUE(refused(3, test::dirichlet, 2));
-    EXPECT_FALSE(refused(4, test::dirichlet, 2));
+    EXPECT_TRUE(refused(2, testing::neumann, 2));
+    EXPECT_FALSE(refused(3, testing::neumann, 2));
+    EXPECT_TRUE(refused(3, testing::dirichlet, 2));
+    EXPECT_FALSE(refused(4, testing::dirichlet, 2));
   }
 }
 
 TEST_F(HaloMpiTest, HalosChangeInFinishAndNotBefore) {
-  const Arrangement a{test::unit_grid(23, 17, test::periodic, test::mixed), test::periodic, test::mixed, {0, 0}, 2, 2, 1, {}, true};
+  const Arrangement a{testing::unit_grid(23, 17, testing::periodic, testing::mixed), testing::periodic, testing::mixed, {0, 0}, 2, 2, 1, {}, true};
   const Decomposition d(world, a.grid, a.processes, a.width);
-  const Boundary boundary = test::boundary_of(a.x, a.y, 2, test::zero);
+  const Boundary boundary = testing::boundary_of(a.x, a.y, 2, testing::zero);
   HaloExchange halo(d, boundary, 2, 1, a.width, {}, true);
   Field u(d, 2, 2);
   Field* pointer = &u;
@@ -251,9 +251,9 @@ TEST_F(HaloMpiTest, HalosChangeInFinishAndNotBefore) {
 }
 
 TEST_F(HaloMpiTest, MisuseIsAnErrorAndLeavesTheExchangeUsable) {
-  const Arrangement a{test::unit_grid(23, 17, test::neumann, test::periodic), test::neumann, test::periodic, {0, 0}, 2, 2, 1, {}, false};
+  const Arrangement a{testing::unit_grid(23, 17, testing::neumann, testing::periodic), testing::neumann, testing::periodic, {0, 0}, 2, 2, 1, {}, false};
   const Decomposition d(world, a.grid, a.processes, a.width);
-  const Boundary boundary = test::boundary_of(a.x, a.y, 2, test::zero);
+  const Boundary boundary = testing::boundary_of(a.x, a.y, 2, testing::zero);
   HaloExchange halo(d, boundary, 2, 1, a.width);
   Field u(d, 2, 2);
   Field v(d, 2, 1);
@@ -280,7 +280,7 @@ TEST_F(HaloMpiTest, MisuseIsAnErrorAndLeavesTheExchangeUsable) {
 }
 
 TEST_F(HaloMpiTest, BytesSentAreThoseOfTheMessages) {
-  const Grid grid = test::unit_grid(40, 0, test::periodic);
+  const Grid grid = testing::unit_grid(40, 0, testing::periodic);
   const Decomposition d(world, grid, {0, 0}, 2);
   const Boundary boundary = Boundary::natural(grid);
   HaloExchange halo(d, boundary, 3, 1, 2, {0, 2});
@@ -298,11 +298,11 @@ TEST_F(HaloMpiTest, SimulationsSideBySideDoNotHearEachOther) {
   {
     const Communicator mine(half);
     const Communicator again(half);
-    const Sides& x = colour == 0 ? test::periodic : test::neumann;
-    const Arrangement a{test::unit_grid(19 + colour, 15, x, test::periodic), x, test::periodic, {0, 0}, 2, 1 + colour, 1, {}, true};
+    const Sides& x = colour == 0 ? testing::periodic : testing::neumann;
+    const Arrangement a{testing::unit_grid(19 + colour, 15, x, testing::periodic), x, testing::periodic, {0, 0}, 2, 1 + colour, 1, {}, true};
     const Decomposition d1(mine, a.grid, a.processes, a.width);
     const Decomposition d2(again, a.grid, a.processes, a.width);
-    const Boundary boundary = test::boundary_of(a.x, a.y, a.n_species, test::zero);
+    const Boundary boundary = testing::boundary_of(a.x, a.y, a.n_species, testing::zero);
     HaloExchange halo1(d1, boundary, a.n_species, 1, a.width, {}, true);
     HaloExchange halo2(d2, boundary, a.n_species, 1, a.width, {}, true);
     Field u(d1, a.n_species, 2);
@@ -327,7 +327,7 @@ TEST_F(HaloMpiTest, FourRanksMakeAllThreeLayouts) {
   const auto all = layouts(world.size());
   EXPECT_EQ(all.size(), world.size() == 4 ? 3U : (world.size() == 1 ? 1U : 2U));
   for (const auto& layout : all) {
-    const Decomposition d(world, test::unit_grid(21, 19, test::neumann), layout, 1);
+    const Decomposition d(world, testing::unit_grid(21, 19, testing::neumann), layout, 1);
     EXPECT_EQ(d.processes(), layout);
   }
 }

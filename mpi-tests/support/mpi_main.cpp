@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "support/mpi_ledger.hpp"
+
 namespace {
 
 class QuietUnlessFailed : public ::testing::EmptyTestEventListener {
@@ -34,5 +36,15 @@ int main(int argc, char** argv) {
   MPI_Allreduce(&failed, &failed_anywhere, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
   if (rank == 0 && failed_anywhere != 0 && failed == 0) std::fprintf(stderr, "[  FAILED  ] on a rank other than 0\n");
   MPI_Finalize();
+  // Only now: what belongs to the whole process is freed by MPI_Finalize itself.
+  const stiffront::testing::MpiFindings findings = stiffront::testing::mpi_findings();
+  if (findings.any()) {
+    std::fprintf(stderr,
+                 "[  FAILED  ] rank %d: not freed: %d persistent requests, %d communicators, %d datatypes, %d operations; %d stray messages; "
+                 "unequal collective calls on %d communicators\n",
+                 rank, findings.unfreed_requests, findings.unfreed_communicators, findings.unfreed_types, findings.unfreed_operations,
+                 findings.stray_messages, findings.unequal_collectives);
+    return 1;
+  }
   return failed_anywhere;
 }

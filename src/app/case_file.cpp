@@ -86,11 +86,27 @@ void read_key(const Key& key, Case& c, const CaseTree& tree) {
   if (const ConfigNode* node = tree.find(path)) key.read(c, *node, path);
 }
 
+/// What method.name says; empty if it says nothing or no text.
+std::string named_method(const ConfigNode& root) {
+  const ConfigNode* method = root.find("method");
+  const ConfigNode* name = method != nullptr ? method->find("name") : nullptr;
+  return name != nullptr && name->type == ConfigNode::Type::string ? name->string : std::string();
+}
+
 }  // namespace
 
 Case parse_case(const CaseSource& source, const std::vector<ModelDescription>& models) {
   ConfigNode root = parse_toml(source.text, source.file);
-  for (const std::string& override : source.overrides) apply_override(root, override);
+  const std::string method_in_file = named_method(root);
+  ConfigNode overridden = root;
+  for (const std::string& override : source.overrides) apply_override(overridden, override);
+  if (named_method(overridden) != method_in_file) {
+    // Another method chosen on the command line: what the file says about its own does not apply.
+    if (ConfigNode* method = root.find("method")) method->entries.clear();
+    overridden = root;
+    for (const std::string& override : source.overrides) apply_override(overridden, override);
+  }
+  root = std::move(overridden);
   const CaseTree tree(std::move(root), source.file);
 
   Case c;

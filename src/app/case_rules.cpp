@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "schema.hpp"
 #include "stiffront/app/methods.hpp"
 #include "stiffront/core/spelling.hpp"
+#include "stiffront/model/expression.hpp"
 #include "toml_text.hpp"
 
 namespace stiffront::app {
@@ -77,7 +80,6 @@ class Completion {
   }
 
   // [space] and [grid]
-  // -------------------------------------------------------------------------------------------------
 
   template <typename T>
   void one_for_each_direction(const std::string& path, std::vector<T>& list, T value) const {
@@ -121,7 +123,6 @@ class Completion {
   }
 
   // [model]
-  // ------------------------------------------------------------------------------------------------------------
 
   void check_species(const std::string& path, const std::string& name) const {
     if (contains(c_.model.species, name)) return;
@@ -162,9 +163,46 @@ class Completion {
       registered_model();
     }
     check_species_names("model.diffusion", model.diffusion);
+    expressions_of_model();
     in_order_of_species(model.diffusion, [this](std::size_t s) {
       return Value(description_ == nullptr ? 0.0 : description_->diffusion[s]);
     });
+  }
+
+  /// The value must be an expression of these variables and the parameters.
+  /// @return its value if it is constant
+  std::optional<double> check_expression(const std::string& path, const Value& value,
+                                         std::vector<std::string> variables) const {
+    if (const double* number = std::get_if<double>(&value)) return *number;
+    const std::map<std::string, double> constants(c_.model.parameters.begin(), c_.model.parameters.end());
+    ExpressionGraph graph(std::move(variables));
+    try {
+      const ExpressionGraph::Node node = graph.parse(std::get<std::string>(value), constants);
+      return graph.is_constant(node) ? std::optional(graph.data(node).value) : std::nullopt;
+    } catch (const Error& error) {
+      fail(path, error.what());
+    }
+  }
+
+  void expressions_of_model() const {
+    const ModelOptions& model = c_.model;
+    for (const auto& [species, value] : model.diffusion) {
+      const std::string path = "model.diffusion." + species;
+      const std::optional<double> coefficient = check_expression(path, value, {});
+      if (!(coefficient.value_or(-1.0) >= 0.0)) {
+        fail(path,
+             fmt::format("expected a number not below 0, got {} = {}", tree_.text(path), coefficient.value_or(-1.0)));
+      }
+    }
+    std::vector<std::string> variables = model.species;
+    variables.insert(variables.end(), {"t", "x", "y"});
+    for (const auto& [species, rate] : model.reaction) check_expression("model.reaction." + species, rate, variables);
+    for (std::size_t i = 0; i < model.reactions.size(); ++i) {
+      const ReactionOptions& reaction = model.reactions[i];
+      const std::string path = fmt::format("model.reactions[{}]", i);
+      check_expression(path + ".rate", reaction.rate, variables);
+      if (reaction.reverse_rate) check_expression(path + ".reverse_rate", *reaction.reverse_rate, variables);
+    }
   }
 
   void registered_model() {
@@ -239,7 +277,6 @@ class Completion {
   }
 
   // [boundary]
-  // ---------------------------------------------------------------------------------------------------------
 
   void boundary() {
     for (std::size_t d = 0; d < c_.boundary.sides.size(); ++d) {
@@ -266,11 +303,11 @@ class Completion {
       fail(path + "." + side.values[0].first, "values go with type = \"dirichlet\" only");
     }
     check_species_names(path, side.values);
+    for (const auto& [species, value] : side.values) check_expression(path + "." + species, value, {"t", "x", "y"});
     in_order_of_species(side.values, [](std::size_t) { return Value(0.0); });
   }
 
   // [initial]
-  // ----------------------------------------------------------------------------------------------------------
 
   void initial() {
     InitialOptions& initial = c_.initial;
@@ -286,29 +323,38 @@ class Completion {
       fail("initial", fmt::format("{}: profile, or an expression for each species, or file",
                                   given == 0 ? "missing: one of" : "expected only one of"));
     }
-    if (!initial.profile.empty()) {
-      std::vector<std::string> profiles;
-      if (description_ != nullptr) {
-        for (const auto& profile : description_->profiles) profiles.push_back(profile.name);
-      }
-      if (profiles.empty()) {
-        fail("initial.profile",
-             fmt::format("model {} has no profiles; give an expression for each species", c_.model.name));
-      }
-      if (!contains(profiles, initial.profile)) {
-        fail("initial.profile",
-             "unknown profile " + tree_.text("initial.profile") +
-                 with_allowed(suggestion(initial.profile, profiles), " for model " + c_.model.name, profiles));
-      }
-    }
+    if (!initial.profile.empty()) initial_profile();
     if (!initial.expressions.empty()) {
       require_all_species("initial", initial.expressions, "initial value");
+      for (const auto& [species, value] : initial.expressions)
+        check_expression("initial." + species, value, {"x", "y"});
       in_order_of_species(initial.expressions, [](std::size_t) { return Value(0.0); });
     }
   }
 
+  void initial_profile() const {
+    const std::string& name = c_.initial.profile;
+    std::vector<std::string> allowed;
+    if (description_ != nullptr) {
+      for (const auto& profile : description_->profiles) {
+        allowed.push_back(profile.name);
+        if (profile.name == name && profile.dimension > c_.grid.dimension()) {
+          fail("initial.profile", fmt::format("\"{}\" needs a grid of {} dimensions, this one has {}", name,
+                                              profile.dimension, c_.grid.dimension()));
+        }
+      }
+    }
+    if (allowed.empty()) {
+      fail("initial.profile",
+           fmt::format("model {} has no profiles; give an expression for each species", c_.model.name));
+    }
+    if (!contains(allowed, name)) {
+      fail("initial.profile", "unknown profile " + tree_.text("initial.profile") +
+                                  with_allowed(suggestion(name, allowed), " for model " + c_.model.name, allowed));
+    }
+  }
+
   // [time]
-  // -------------------------------------------------------------------------------------------------------------
 
   void check_increasing(const std::string& path, const std::vector<double>& times, bool ends_included) const {
     double before = c_.time.start;
@@ -350,7 +396,6 @@ class Completion {
   }
 
   // [method]
-  // -----------------------------------------------------------------------------------------------------------
 
   void complete_step(double& step) const {
     if (step == 0.0 && c_.converge) step = c_.converge->steps.front();
@@ -411,11 +456,10 @@ class Completion {
 
   void method(CvodeOptions& o) const {
     complete_tolerance(o.absolute_tolerance, o.relative_tolerance);
-    if (!o.linear_solver) o.linear_solver = c_.grid.dimension() == 1 ? LinearSolver::band : LinearSolver::gmres;
+    if (!o.linear_solver) o.linear_solver = LinearSolver::gmres;
   }
 
   // [output]
-  // -----------------------------------------------------------------------------------------------------------
 
   void output() const {
     const OutputOptions& output = c_.output;
@@ -440,7 +484,6 @@ class Completion {
   }
 
   // [converge]
-  // ---------------------------------------------------------------------------------------------------------
 
   void converge(ConvergeOptions& o) const {
     const std::string& name = method_name(c_.method);

@@ -95,19 +95,25 @@ Tolerance read_tolerance(const ConfigNode& node, const std::string& path, const 
 
 ReactionOptions read_reaction(const ConfigNode& node, const std::string& path) {
   if (node.type != Type::table) refuse(node, path, R"(a table { equation = "...", rate = ... })");
-  const std::vector<std::string> allowed = {"equation", "rate"};
+  const std::vector<std::string> allowed = {"equation", "rate", "reverse_rate", "mass_action"};
   ReactionOptions reaction;
   for (const auto& [name, value] : node.entries) {
+    const std::string its_path = path + "." + name;
     if (name == "equation") {
-      reaction.equation = read_string(value, path + ".equation", "an equation in quotation marks");
+      reaction.equation = read_string(value, its_path, "an equation in quotation marks");
     } else if (name == "rate") {
-      reaction.rate = read_value(value, path + ".rate");
+      reaction.rate = read_value(value, its_path);
+    } else if (name == "reverse_rate") {
+      reaction.reverse_rate = read_value(value, its_path);
+    } else if (name == "mass_action") {
+      if (value.type != Type::boolean) refuse(value, its_path, "true or false");
+      reaction.mass_action = value.boolean;
     } else {
-      throw Error(ErrorKind::input, one_line(fmt::format("{}: {}.{}: unknown key{}", value.origin, path, name,
+      throw Error(ErrorKind::input, one_line(fmt::format("{}: {}: unknown key{}", value.origin, its_path,
                                                          with_allowed(suggestion(name, allowed), "", allowed))));
     }
   }
-  for (const std::string& name : allowed) {
+  for (const char* name : {"equation", "rate"}) {
     if (node.find(name) == nullptr) {
       throw Error(ErrorKind::input, fmt::format("{}: {}.{}: missing", node.origin, path, name));
     }
@@ -131,6 +137,14 @@ std::string value_text(const Value& value) {
 std::string side_text(const SideOptions& side) {
   const std::string word = toml_text(choice_word(side.kind));
   return side.values.empty() ? word : entries_text(side.values, "type = " + word);
+}
+
+std::string reaction_text(const ReactionOptions& reaction) {
+  std::string text =
+      fmt::format("{{ equation = {}, rate = {}", toml_text(reaction.equation), value_text(reaction.rate));
+  if (reaction.reverse_rate) text += fmt::format(", reverse_rate = {}", value_text(*reaction.reverse_rate));
+  if (!reaction.mass_action) text += ", mass_action = false";
+  return text + " }";
 }
 
 std::string tolerance_text(const Tolerance& tolerance) {

@@ -63,6 +63,7 @@ std::string quoted_alternatives(const std::vector<std::string>& words);
 
 std::string value_text(const Value& value);
 std::string side_text(const SideOptions& side);
+std::string reaction_text(const ReactionOptions& reaction);
 std::string tolerance_text(const Tolerance& tolerance);
 
 template <typename T>

@@ -144,19 +144,18 @@ Key reaction_key() {
 }
 
 Key reactions_key() {
-  Key key("model.reactions", R"(an array of tables { equation = "...", rate = ... })",
-          "custom only: a reaction network instead of model.reaction: [[model.reactions]] with an equation like "
-          "\"2 u + v -> 3 u\" and a rate, a number or an expression");
+  Key key(
+      "model.reactions", R"(an array of tables { equation = "...", rate = ... })",
+      "custom only: a reaction network instead of model.reaction: [[model.reactions]] with an equation like "
+      "\"2 u + v -> 3 u\" and a rate, a number or an expression; also reverse_rate, of the backward direction of <->, "
+      "and mass_action = false where rate is the whole rate");
   key.default_note = "none";
   key.read = [words = key.expected](Case& c, const ConfigNode& node, const std::string& path) {
     c.model.reactions = read_array(node, path, words, false, read_reaction);
   };
   key.write = [](const Case& c) {
     std::string lines;
-    for (const ReactionOptions& reaction : c.model.reactions) {
-      lines +=
-          fmt::format("  {{ equation = {}, rate = {} }},\n", toml_text(reaction.equation), value_text(reaction.rate));
-    }
+    for (const ReactionOptions& reaction : c.model.reactions) lines += fmt::format("  {},\n", reaction_text(reaction));
     return lines.empty() ? "" : "[\n" + lines + "]";
   };
   return key;
@@ -339,7 +338,7 @@ std::vector<Key> cvode_keys() {
                    "relative_tolerance / 100"),
       with_default(choice("method.linear_solver", STIFFRONT_METHOD(Options, linear_solver),
                           "linear solver of the Newton iteration"),
-                   R"("band" in 1-D, else "gmres")"),
+                   R"("gmres")"),
   };
 }
 

@@ -68,8 +68,9 @@ class Cvode::Solver {
     matrix_ = nullptr;
   }
 
-  void start(double t, const Field& u) {
+  void start(double t, double end, const Field& u) {
     drop();
+    end_ = end;
     u_.copy_interior(u);  // Dirichlet points too
     gather(u, y_);
     memory_ = CVodeCreate(CV_BDF, context_);
@@ -94,7 +95,7 @@ class Cvode::Solver {
   }
 
   Attempt step(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
-    if (memory_ == nullptr) start(t, u);
+    if (memory_ == nullptr) start(t, end_ > t ? end_ : t + dt, u);
     Attempt a;
     check(CVodeSetStopTime(memory_, t + dt), "CVodeSetStopTime");
     double reached = t;
@@ -110,7 +111,8 @@ class Cvode::Solver {
     if (status < 0) throw Error(ErrorKind::numerics, fmt::format("CVODE failed at t = {:.17g}: {}", reached, message_));
     a.accepted = true;
     a.dt_taken = reached >= t + dt ? dt : reached - t;
-    CVodeGetCurrentStep(memory_, &a.dt_next);
+    // All the way to the end: the time asked for is where CVODE must stop, not the step it should take.
+    a.dt_next = end_ - t - a.dt_taken;
     CVodeGetLastOrder(memory_, &a.iterations);
     a.work = new_work();
     return a;
@@ -311,6 +313,7 @@ class Cvode::Solver {
   std::vector<double> stencil_;
   std::vector<double> blocks_;
   std::vector<int> pivots_;
+  double end_ = 0.0;
   std::string message_;
   Work counted_;
   SUNContext context_ = nullptr;
@@ -326,8 +329,8 @@ Cvode::Cvode(const Field& shape, CoupledRhs& rhs, CvodeOptions options)
 Cvode::~Cvode() = default;
 
 double Cvode::first_step(double t, double t_end, Field& u) {
-  solver_->start(t, u);
-  return t_end - t;  // CVODE chooses less
+  solver_->start(t, t_end, u);
+  return t_end - t;
 }
 
 Attempt Cvode::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) { return solver_->step(t, dt, u, u_new, flags); }

@@ -6,16 +6,9 @@
 #include <bit>
 #include <cstdint>
 
+#include "content_hash.hpp"
+
 namespace stiffront {
-namespace {
-
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
-
-}  // namespace
 
 std::string checksum(const Field& u) {
   const Decomposition& d = u.decomposition();
@@ -26,7 +19,9 @@ std::string checksum(const Field& u) {
       const std::int64_t first = (d.offset_y() + j) * d.grid().points[0] + d.offset_x();
       for (int i = 0; i < u.n_x(); ++i) {
         const auto place = static_cast<std::uint64_t>((first + i) * u.n_species() + s + 1);
-        sum += mix(std::bit_cast<std::uint64_t>(row[i] == 0.0 ? 0.0 : row[i]) + mix(place));
+        // By bits: a comparison may take a denormal for zero.
+        const auto bits = std::bit_cast<std::uint64_t>(row[i]);
+        sum += mix((bits << 1 == 0 ? 0 : bits) + mix(place));
       }
     }
   }

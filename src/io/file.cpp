@@ -3,13 +3,14 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <vector>
 
+#include "content_hash.hpp"
 #include "stiffront/core/error.hpp"
 
 namespace stiffront::file {
@@ -27,6 +28,19 @@ class Descriptor {
     if (fd_ >= 0) ::close(fd_);
   }
   int get() const { return fd_; }
+
+  /// Fills the buffer as far as the file goes.
+  std::size_t read(char* buffer, std::size_t size) const {
+    std::size_t done = 0;
+    while (done < size) {
+      const ssize_t n = ::read(fd_, buffer + done, size - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) fail(path_, "be read", errno);
+      if (n == 0) break;
+      done += static_cast<std::size_t>(n);
+    }
+    return done;
+  }
 
   void write(std::string_view content) const {
     while (!content.empty()) {
@@ -62,16 +76,21 @@ void fail(const std::string& path, const char* what, int error_number) {
 std::string read(const std::string& path) {
   const Descriptor in(path, O_RDONLY, "be read");
   std::string content;
-  struct stat status {};
-  if (::fstat(in.get(), &status) == 0 && status.st_size > 0) content.reserve(static_cast<std::size_t>(status.st_size));
   char buffer[1 << 16];
-  while (true) {
-    const ssize_t n = ::read(in.get(), buffer, sizeof buffer);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(path, "be read", errno);
-    if (n == 0) return content;
-    content.append(buffer, static_cast<std::size_t>(n));
+  while (const std::size_t n = in.read(buffer, sizeof buffer)) content.append(buffer, n);
+  return content;
+}
+
+std::pair<std::int64_t, std::uint64_t> measure(const std::string& path) {
+  const Descriptor in(path, O_RDONLY, "be read");
+  ContentHash hash;
+  std::int64_t length = 0;
+  std::vector<char> buffer(std::size_t{1} << 20);
+  while (const std::size_t n = in.read(buffer.data(), buffer.size())) {
+    hash.add({buffer.data(), n});
+    length += static_cast<std::int64_t>(n);
   }
+  return {length, hash.value()};
 }
 
 void write(const std::string& path, std::string_view content) {

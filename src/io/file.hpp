@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 /// Files in plain POSIX, on one process, with every failure as Error(io) that names the file and the system's reason.
 namespace stiffront::file {
@@ -10,6 +12,8 @@ namespace stiffront::file {
 [[noreturn]] void fail(const std::string& path, const char* what, int error_number);
 
 std::string read(const std::string& path);
+/// Length and content_hash of a file, read piece by piece.
+std::pair<std::int64_t, std::uint64_t> measure(const std::string& path);
 /// Creates or replaces the file and waits until it is on the disk.
 void write(const std::string& path, std::string_view content);
 /// Adds to the end, creating the file if needed.

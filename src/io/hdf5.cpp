@@ -54,11 +54,7 @@ void fail(const std::string& what) {
   throw Error(ErrorKind::io, cause.empty() ? what : fmt::format("{} ({})", what, cause));
 }
 
-Handle file_access() {
-  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 property list");
-  check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST), "HDF5 format version");
-  return access;
-}
+Handle file_access() { return Handle(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 property list"); }
 
 Handle simple_space(const std::vector<hsize_t>& extent) {
   return Handle(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose, "HDF5 data space");

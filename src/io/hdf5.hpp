@@ -53,7 +53,8 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// File access properties: the format of HDF5 1.8 at least.
+/// File access properties, with the oldest format that serves (a superblock without checksum: H5Fget_file_image of HDF5 1.10 spoils a
+/// newer one).
 Handle file_access();
 Handle simple_space(const std::vector<hsize_t>& extent);
 /// UTF-8 of variable length: what h5py gives back as str, and no limit of 64 KiB on an attribute.

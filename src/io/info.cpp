@@ -86,12 +86,31 @@ herr_t add_attribute(hid_t, const char* name, const H5A_info_t*, void* names) {
   return 0;
 }
 
+/// One line per dataset below a group; `prefix` is empty or ends with a slash.
+std::string describe_group(hid_t file, const std::string& prefix) {
+  const hdf5::Handle group(H5Gopen2(file, prefix.empty() ? "/" : prefix.c_str(), H5P_DEFAULT), H5Gclose, prefix);
+  std::vector<std::string> names;
+  hdf5::check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, &add_name, &names), prefix);
+  std::string text;
+  for (const std::string& name : names) {
+    const std::string path = prefix + name;
+    text += hdf5::has_dataset(file, path) ? fmt::format("  {:<9} {}\n", path, statistics(file, path)) : describe_group(file, path + "/");
+  }
+  return text;
+}
+
+std::string describe_checkpoint(hid_t file, const std::string& path) {
+  const std::vector<std::int64_t> box = hdf5::read_integers(file, "box");
+  std::string text = fmt::format("{}: one rank's part of a checkpoint (see manifest.json beside it)\n", path);
+  text += fmt::format("  time      {}\n  step      {}\n", hdf5::read_numbers(file, "time").at(0), hdf5::read_integers(file, "step").at(0));
+  text += fmt::format("  box       {} x {} points from ({}, {})\n", box.at(2), box.at(3), box.at(0), box.at(1));
+  return text + describe_group(file, "");
+}
+
 std::string describe_any(hid_t file, const std::string& path) {
-  std::vector<std::string> names, attributes;
-  hdf5::check(H5Literate(file, H5_INDEX_NAME, H5_ITER_INC, nullptr, &add_name, &names), path);
+  std::vector<std::string> attributes;
   hdf5::check(H5Aiterate2(file, H5_INDEX_NAME, H5_ITER_INC, nullptr, &add_attribute, &attributes), path);
-  std::string text = fmt::format("{}: an HDF5 file, but no result of this program\n", path);
-  for (const std::string& name : names) text += fmt::format("  {:<9} {}\n", name, hdf5::has_dataset(file, name) ? statistics(file, name) : "group");
+  std::string text = fmt::format("{}: an HDF5 file, but no result of this program\n", path) + describe_group(file, "");
   if (!attributes.empty()) text += fmt::format("  attributes: {}\n", fmt::join(attributes, ", "));
   return text;
 }
@@ -100,9 +119,12 @@ std::string describe_any(hid_t file, const std::string& path) {
 
 std::string describe_file(const std::string& path) {
   const hdf5::Handle file = hdf5::open_file(path);
-  const bool is_state = hdf5::has_attribute(file, "species") && hdf5::has_attribute(file, "boundary");
   try {
-    return is_state ? describe_state(file, path) : describe_any(file, path);
+    if (hdf5::has_attribute(file, "species") && hdf5::has_attribute(file, "boundary")) return describe_state(file, path);
+    if (hdf5::has_attribute(file, "format") && hdf5::read_text(file, "format") == "stiffront-checkpoint") {
+      return describe_checkpoint(file, path);
+    }
+    return describe_any(file, path);
   } catch (const Error& e) {
     const std::string message = e.what();
     throw Error(e.kind(), message.starts_with(path) ? message : fmt::format("{}: {}", path, message));

@@ -56,7 +56,11 @@ void fill_line(double* end, std::ptrdiff_t in, int width, BoundaryKind kind) {
   if (kind != BoundaryKind::dirichlet || width < 2) return;
   for (int k = 1; k <= width; ++k) {
     const double* p = end - (k - 1) * in;
-    end[-k * in] = 4.0 * (p[0] + p[2 * in]) - 6.0 * p[in] - p[3 * in];
+    // By differences, so that constants are continued exactly.
+    const double d0 = p[0] - p[in];
+    const double d1 = p[in] - p[2 * in];
+    const double d2 = p[2 * in] - p[3 * in];
+    end[-k * in] = p[0] + (3.0 * (d0 - d1) + d2);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <string>
 
 #include "stiffront/core/error.hpp"
 
@@ -15,6 +16,20 @@ std::int64_t part_size(std::int64_t points, int parts, int index) { return point
 std::int64_t part_offset(std::int64_t points, int parts, int index) {
   const std::int64_t larger = points % parts;
   return index * (points / parts) + (index < larger ? index : larger);
+}
+
+/// A layout as it stands in a case file.
+std::string layout_text(const Grid& grid, std::array<int, 2> p) {
+  return grid.dimension == 1 ? fmt::format("[{}]", p[0]) : fmt::format("[{}, {}]", p[0], p[1]);
+}
+
+/// Whether a number of ranks can be arranged as asked for.
+bool is_possible(int ranks, const Grid& grid, std::array<int, 2> asked) {
+  for (int px = 1; px <= ranks; ++px) {
+    if (ranks % px != 0 || (grid.dimension == 1 && px != ranks)) continue;
+    if ((asked[0] == 0 || asked[0] == px) && (asked[1] == 0 || asked[1] == ranks / px)) return true;
+  }
+  return false;
 }
 
 bool fits(const Grid& grid, std::array<int, 2> p, int min_points) {
@@ -55,17 +70,18 @@ Decomposition::Decomposition(const Communicator& comm, const Grid& grid, std::ar
     throw Error(ErrorKind::input, fmt::format("grid.points: {} grid points cannot be divided among {} ranks; use at most {} ranks",
                                               grid.total_points(), ranks, grid.total_points()));
   }
+  const std::string on_ranks = ranks == 1 ? "1 rank" : fmt::format("{} ranks", ranks);
+  if (!is_possible(ranks, grid, processes)) {
+    throw Error(ErrorKind::input, fmt::format("grid.processes: {} asked for, but the program runs on {}", layout_text(grid, processes), on_ranks));
+  }
   processes_ = choose_layout(ranks, grid, processes, min_points);
   if (processes_[0] == 0) {
-    if (processes[0] != 0 && processes[1] != 0 && processes[0] * processes[1] != ranks) {
-      throw Error(ErrorKind::input, fmt::format("grid.processes: {} x {} processes asked for, but the program runs on {} ranks",
-                                                processes[0], processes[1], ranks));
-    }
+    const bool chosen_freely = processes[0] == 0 && processes[1] == 0;
     throw Error(ErrorKind::input,
-                fmt::format("grid.processes: {} x {} grid points cannot be divided among {} ranks{} with at least {} points each "
-                            "in a divided direction; use fewer ranks or more points",
-                            grid.points[0], grid.points[1], ranks,
-                            processes[0] == 0 && processes[1] == 0 ? "" : " in the layout asked for", min_points));
+                fmt::format("grid.processes: {} grid points cannot be divided among {}{} with at least {} points each in a divided "
+                            "direction; use fewer ranks or more points",
+                            grid.dimension == 1 ? fmt::format("{}", grid.points[0]) : fmt::format("{} x {}", grid.points[0], grid.points[1]),
+                            on_ranks, chosen_freely ? "" : " as " + layout_text(grid, processes), min_points));
   }
   coordinates_ = {comm.rank() % processes_[0], comm.rank() / processes_[0]};
   for (std::size_t d = 0; d < 2; ++d) {

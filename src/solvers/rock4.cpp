@@ -9,45 +9,83 @@
 
 #include "stiffront/core/error.hpp"
 #include "stiffront/core/mpi.hpp"
+#include "stiffront/space/laplacian_sweep.hpp"
 
 namespace stiffront {
 namespace {
 
-/// Like for_each_pack, but all whole packs are aligned: rows are, at their point 0.
-template <class F>
-[[gnu::always_inline]] inline void for_each_aligned_pack(int i_begin, int i_end, F&& f) {
-  int i = i_begin;
-  if (i % pack_size != 0) {
-    const int n = std::min(pack_size - i % pack_size, i_end - i);
-    if (n > 0) f(i, n);
-    i += n;
-  }
-  for_each_pack(i, i_end, f);
-}
+/// Pointers into one row of the arrays a stage works on point by point, and its arithmetic: to = x + weight f(x).
+struct EulerRow {
+  double* to;
+  Pack weight;
 
-[[gnu::always_inline]] inline void store(Pack x, double* to, int n) {
-  if (n == pack_size) {
-    x.store(to);
-  } else {
-    x.store_partial(to, n);
+  void prefetch(int, std::ptrdiff_t) const {}
+  template <class Lanes>
+  void operator()(int i, const Lanes& lanes, Pack x, Pack f) const {
+    lanes.store(mul_add(weight, f, x), to + i);
   }
-}
+};
 
-/// Visits the packs of a tile with the value u and D Laplacian(u). on_row(j) returns what is called with
-/// (i, n, u, laplacian) along row j.
-template <int Order, int Dimension, class OnRow>
-void sweep(const DiffusionOperator& diffusion, const Field& field, int species, const FreeBox& tile, OnRow&& on_row) {
-  const Laplacian<Order, Dimension> laplacian = diffusion.stencil<Order, Dimension>(species, field);
-  for (int j = tile.j_begin; j < tile.j_end; ++j) {
-    const double* const u = field.row(species, j);
-    auto on_pack = on_row(j);
-    for_each_aligned_pack(
-        tile.i_begin, tile.i_end, [&](int i, int n) __attribute__((always_inline)) {
-          const Pack centre = Pack::load(u + i);
-          on_pack(i, n, centre, laplacian(u + i, centre));
-        });
+/// to = x + kappa (before - x) + weight f(x). With nu = 1 - kappa this is the recurrence, but constants pass exactly
+/// and x is rounded once only. `to` may be `before`.
+struct RecurrenceRow {
+  const double* before;
+  double* to;
+  Pack weight, kappa;
+
+  void prefetch(int i, std::ptrdiff_t ahead) const { __builtin_prefetch(before + i + ahead); }
+  template <class Lanes>
+  void operator()(int i, const Lanes& lanes, Pack x, Pack f) const {
+    lanes.store(x + mul_add(weight, f, kappa * (Pack::load(before + i) - x)), to + i);
   }
-}
+};
+
+/// to = g + w2 (x2 - g) + w3 (x - g) + weight f(x): the argument of the last slope.
+struct LastArgumentRow {
+  const double *g, *x2;
+  double* to;
+  Pack weight, w2, w3;
+
+  void prefetch(int i, std::ptrdiff_t ahead) const {
+    __builtin_prefetch(g + i + ahead);
+    __builtin_prefetch(x2 + i + ahead);
+  }
+  template <class Lanes>
+  void operator()(int i, const Lanes& lanes, Pack x, Pack f) const {
+    const Pack base = Pack::load(g + i);
+    const Pack part = mul_add(w3, x - base, w2 * (Pack::load(x2 + i) - base));
+    lanes.store(base + mul_add(weight, f, part), to + i);
+  }
+};
+
+/// The solution, over g, and its weighted error estimate, into a sum of squares.
+struct SolutionRow {
+  const double *start, *x2, *x3;
+  double* g;
+  Pack weight, w2, w3, w4;
+  Pack error_start, error_weight, error_w2, error_w3, error_w4;
+  Pack relative, absolute;
+  ReproducibleSum* sum;
+
+  void prefetch(int i, std::ptrdiff_t ahead) const {
+    for (const double* p : {start, x2, x3, static_cast<const double*>(g)}) __builtin_prefetch(p + i + ahead);
+  }
+  template <class Lanes>
+  void operator()(int i, const Lanes& lanes, Pack x, Pack f) const {
+    const Pack base = Pack::load(g + i);
+    const Pack d2 = Pack::load(x2 + i) - base;
+    const Pack d3 = Pack::load(x3 + i) - base;
+    const Pack d4 = x - base;
+    const Pack before = Pack::load(start + i);
+    const Pack after = base + mul_add(weight, f, mul_add(w4, d4, mul_add(w3, d3, w2 * d2)));
+    const Pack estimate =
+        mul_add(error_weight, f,
+                mul_add(error_start, before - base, mul_add(error_w4, d4, mul_add(error_w3, d3, error_w2 * d2))));
+    const Pack scaled = estimate / mul_add(relative, max(abs(before), abs(after)), absolute);
+    sum->add(lanes.or_zero(scaled * scaled));
+    lanes.store(after, g + i);
+  }
+};
 
 /// The four finishing stages in terms of their arguments instead of their slopes, so that no slope is stored.
 ///
@@ -218,27 +256,20 @@ double Rock4::attempt(double t, double h, Work& work) {
   const Finish finish(m);
   Agreement agreement(static_cast<int>(buffers_.size()), 0);
   diffusion_->dispatch([&]<int Order, int Dimension>() {
-    const DiffusionOperator& d = *diffusion_;
-    // out = u + weight f(u): the first stage and the first argument of the finishing procedure.
-    const auto euler = [&](std::size_t u, std::size_t out, double time, double weight) {
-      stage(u, time, [&](std::size_t k, int s, const FreeBox& tile) {
-        const Buffers& b = buffers_[k];
-        sweep<Order, Dimension>(d, *b[u], s, tile, [&, s, w = Pack(weight)](int j) {
-          return [=, to = b[out]->row(s, j)](int i, int n, Pack x, Pack f) { store(mul_add(w, f, x), to + i, n); };
-        });
+    // on_row(b, s, j) makes the row object of species s in the buffers b.
+    const auto pass = [&](std::size_t input, double time, auto&& on_row) {
+      stage(input, time, [&](std::size_t k, int s, const FreeBox& tile) {
+        const Field& u = *buffers_[k][input];
+        sweep(diffusion_->stencil<Order, Dimension>(s, u), u, s, tile, [&](int j) { return on_row(k, s, j); });
       });
     };
-    // out = u + kappa (before - u) + weight f(u). With nu = 1 - kappa this is the recurrence, but constants pass
-    // exactly and u is rounded once only. `out` may be `before`.
-    const auto recur = [&](std::size_t u, std::size_t before, std::size_t out, double time, double weight,
+    const auto euler = [&](std::size_t u, std::size_t to, double time, double weight) {
+      pass(u, time, [&](std::size_t k, int s, int j) { return EulerRow{buffers_[k][to]->row(s, j), Pack(weight)}; });
+    };
+    const auto recur = [&](std::size_t u, std::size_t before, std::size_t to, double time, double weight,
                            double kappa) {
-      stage(u, time, [&](std::size_t k, int s, const FreeBox& tile) {
-        const Buffers& b = buffers_[k];
-        sweep<Order, Dimension>(d, *b[u], s, tile, [&, s, w = Pack(weight), kp = Pack(kappa)](int j) {
-          return [=, old = b[before]->row(s, j), to = b[out]->row(s, j)](int i, int n, Pack x, Pack f) {
-            store(x + mul_add(w, f, kp * (Pack::load(old + i) - x)), to + i, n);
-          };
-        });
+      pass(u, time, [&](std::size_t k, int s, int j) {
+        return RecurrenceRow{buffers_[k][before]->row(s, j), buffers_[k][to]->row(s, j), Pack(weight), Pack(kappa)};
       });
     };
 
@@ -257,49 +288,33 @@ double Rock4::attempt(double t, double h, Work& work) {
     const std::size_t x4 = 4;
     euler(g, x2, t + m.c[0] * h, h * m.a[1][0]);
     recur(x2, g, x3, t + m.c[1] * h, h * m.a[2][1], 1.0 - finish.x3_x2);
-    stage(x3, t + m.c[2] * h, [&](std::size_t k, int s, const FreeBox& tile) {
+    pass(x3, t + m.c[2] * h, [&](std::size_t k, int s, int j) {
       const Buffers& b = buffers_[k];
-      sweep<Order, Dimension>(d, *b[x3], s, tile,
-                              [&, s, w = Pack(h * m.a[3][2]), w2 = Pack(finish.x4_x2), w3 = Pack(finish.x4_x3)](int j) {
-                                return [=, g_row = b[g]->row(s, j), x2_row = b[x2]->row(s, j), to = b[x4]->row(s, j)](
-                                           int i, int n_lanes, Pack x, Pack f) {
-                                  const Pack base = Pack::load(g_row + i);
-                                  const Pack part = mul_add(w3, x - base, w2 * (Pack::load(x2_row + i) - base));
-                                  store(base + mul_add(w, f, part), to + i, n_lanes);
-                                };
-                              });
+      return LastArgumentRow{.g = b[g]->row(s, j),
+                             .x2 = b[x2]->row(s, j),
+                             .to = b[x4]->row(s, j),
+                             .weight = Pack(h * m.a[3][2]),
+                             .w2 = Pack(finish.x4_x2),
+                             .w3 = Pack(finish.x4_x3)};
     });
-    stage(x4, t + m.c[3] * h, [&](std::size_t k, int s, const FreeBox& tile) {
+    pass(x4, t + m.c[3] * h, [&](std::size_t k, int s, int j) {
       const Buffers& b = buffers_[k];
-      ReproducibleSum& sum = agreement.sums[k];
-      const Pack relative(tolerances_.relative);
-      const Pack absolute(tolerances_.absolute[static_cast<std::size_t>(s)]);
-      const Pack weight(h * m.b[3]);
-      const Pack error_weight(h * m.d0 * m.e[3]);
-      const Pack d0(m.d0);
-      sweep<Order, Dimension>(d, *b[x4], s, tile, [&, s](int j) {
-        return [&, g_row = b[g]->row(s, j), x2_row = b[x2]->row(s, j), x3_row = b[x3]->row(s, j),
-                y_row = b[start]->row(s, j)](int i, int n_lanes, Pack x, Pack f) {
-          const Pack base = Pack::load(g_row + i);
-          const Pack d2 = Pack::load(x2_row + i) - base;
-          const Pack d3 = Pack::load(x3_row + i) - base;
-          const Pack d4 = x - base;
-          const Pack before = Pack::load(y_row + i);
-          const Pack after =
-              base + mul_add(weight, f,
-                             mul_add(Pack(finish.y[2]), d4, mul_add(Pack(finish.y[1]), d3, Pack(finish.y[0]) * d2)));
-          const Pack in_arguments =
-              mul_add(Pack(finish.error[2]), d4, mul_add(Pack(finish.error[1]), d3, Pack(finish.error[0]) * d2));
-          const Pack estimate = mul_add(error_weight, f, mul_add(d0, before - base, in_arguments));
-          const Pack scaled = estimate / mul_add(relative, max(abs(before), abs(after)), absolute);
-          if (n_lanes == pack_size) {
-            sum.add(scaled * scaled);
-          } else {
-            sum.add(scaled * scaled, Mask::first(n_lanes));
-          }
-          store(after, g_row + i, n_lanes);
-        };
-      });
+      return SolutionRow{.start = b[start]->row(s, j),
+                         .x2 = b[x2]->row(s, j),
+                         .x3 = b[x3]->row(s, j),
+                         .g = b[g]->row(s, j),
+                         .weight = Pack(h * m.b[3]),
+                         .w2 = Pack(finish.y[0]),
+                         .w3 = Pack(finish.y[1]),
+                         .w4 = Pack(finish.y[2]),
+                         .error_start = Pack(m.d0),
+                         .error_weight = Pack(h * m.d0 * m.e[3]),
+                         .error_w2 = Pack(finish.error[0]),
+                         .error_w3 = Pack(finish.error[1]),
+                         .error_w4 = Pack(finish.error[2]),
+                         .relative = Pack(tolerances_.relative),
+                         .absolute = Pack(tolerances_.absolute[static_cast<std::size_t>(s)]),
+                         .sum = &agreement.sums[k]};
     });
     result_ = g;
   });

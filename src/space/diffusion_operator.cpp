@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "stiffront/core/error.hpp"
@@ -14,7 +15,7 @@ DiffusionOperator::DiffusionOperator(const Grid& grid, const Boundary& boundary,
     : order_(order), dimension_(grid.dimension), boundary_(&boundary), coefficients_(std::move(coefficients)) {
   if (order != 2 && order != 4) throw Error(ErrorKind::input, fmt::format("space.order: expected 2 or 4, got {}", order));
   for (std::size_t s = 0; s < coefficients_.size(); ++s) {
-    if (!(coefficients_[s] >= 0.0)) {
+    if (!(coefficients_[s] >= 0.0 && std::isfinite(coefficients_[s]))) {
       throw Error(ErrorKind::input, fmt::format("model.diffusion: expected a coefficient >= 0, got {}", coefficients_[s]));
     }
     if (coefficients_[s] > 0.0) diffusing_.push_back(static_cast<int>(s));

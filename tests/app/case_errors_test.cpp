@@ -223,10 +223,13 @@ INSTANTIATE_TEST_SUITE_P(
                            "model.reactions[0]: expected a table { equation = \"...\", rate = ... }, got 1"},
                       Rule{{"model.reactions=[{ rate = 1 }]"}, "model.reactions[0].equation: missing"},
                       Rule{{"model.reactions=[{ equation = \"a -> b\" }]"}, "model.reactions[0].rate: missing"},
+                      Rule{{"model.reactions=[{ equation = \"a -> b\", rate = 1, mass_action = 1 }]"},
+                           "model.reactions[0].mass_action: expected true or false, got 1"},
                       Rule{{"model.reactions=[{ equation = \"\", rate = 1 }]"},
                            "model.reactions[0].equation: expected an equation in quotation marks, got \"\""},
                       Rule{{"model.reactions=[{ equation = \"a -> b\", rates = 1 }]"},
-                           "model.reactions[0].rates: unknown key; did you mean rate? Allowed: equation, rate"},
+                           "model.reactions[0].rates: unknown key; did you mean rate? Allowed: equation, rate, "
+                           "reverse_rate, mass_action"},
                       Rule{{"model.diffusion.a=-1"}, "model.diffusion.a: expected a number not below 0, got -1"},
                       Rule{{"model.diffusion.a=\"\""},
                            "model.diffusion.a: expected a number or an expression in quotation marks, got \"\""},
@@ -238,6 +241,8 @@ INSTANTIATE_TEST_SUITE_P(
         Rule{{"initial={}"}, "initial: missing: one of: profile, or an expression for each species, or file"},
         Rule{{"initial={ profile = \"bz-front\", file = \"a.h5\" }"},
              "initial: expected only one of: profile, or an expression for each species, or file"},
+        Rule{{"initial.profile=bz-spiral"},
+             "initial.profile: \"bz-spiral\" needs a grid of 2 dimensions, this one has 1"},
         Rule{{"initial={ a = 0, c = 0 }"}, "initial: no initial value for b; every species needs one"},
         Rule{{"time.end=-1"}, "time.end: expected a time after time.start = 0.0, got -1"},
         Rule{{"time.start=-1e308", "time.end=1e308"}, "time.end: expected a time after time.start = -1e308, got 1e308"},
@@ -358,6 +363,30 @@ TEST(CustomModelErrors, HaveTheirMessages) {
             "command line: initial.profile: model custom has no profiles; give an expression for each species");
   EXPECT_EQ(message({"model.reaction=[]"}),
             "command line: model.reaction: expected a table with one expression for each species, got []");
+}
+
+TEST(ExpressionErrors, NameTheEntryAndTheColumn) {
+  const auto message = [](const std::vector<std::string>& overrides) { return message_of(overrides, custom_text); };
+  EXPECT_EQ(message({"model.reaction.u=A + u*"}),
+            "command line: model.reaction.u: column 7: the expression ends where a number, a name or ( is expected");
+  EXPECT_EQ(message({"model.reaction.u=A + w"}),
+            "command line: model.reaction.u: column 5: unknown name \"w\"; allowed: u, v, t, x, y, A, B, nu, pi, e");
+  EXPECT_EQ(message({"model.diffusion.u=nu*u"}),
+            "command line: model.diffusion.u: column 4: unknown name \"u\"; did you mean nu? Allowed: A, B, nu, pi, e");
+  EXPECT_EQ(message({"model.diffusion.u=nu*x"}),
+            "command line: model.diffusion.u: column 4: unknown name \"x\"; allowed: A, B, nu, pi, e");
+  EXPECT_EQ(message({"model.diffusion.u=-nu"}),
+            "command line: model.diffusion.u: expected a number not below 0, got \"-nu\" = -0.002");
+  EXPECT_EQ(message({"initial.u=sin(t)"}),
+            "command line: initial.u: column 5: unknown name \"t\"; allowed: x, y, A, B, nu, pi, e");
+  EXPECT_EQ(message({"boundary.x={ type = \"dirichlet\", u = \"sin(t)*C\" }"}),
+            "command line: boundary.x.u: column 8: unknown name \"C\"; allowed: t, x, y, A, B, nu, pi, e");
+  EXPECT_EQ(message_of({"model.reactions=[{ equation = \"u -> v\", rate = \"k\" }]"}, network_text),
+            "command line: model.reactions[0].rate: column 1: unknown name \"k\"; allowed: u, v, t, x, y, pi, e");
+  EXPECT_EQ(
+      message_of({"model.reactions=[{ equation = \"u <-> v\", rate = 1, reverse_rate = \"1 +\" }]"}, network_text),
+      "command line: model.reactions[0].reverse_rate: column 4: the expression ends where a number, a name or ( is "
+      "expected");
 }
 
 TEST(OverrideErrors, HaveTheirMessages) {

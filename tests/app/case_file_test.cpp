@@ -39,6 +39,13 @@ TEST(CaseFile, DefaultsAreFilledInFromTheModelAndTheGrid) {
   EXPECT_FALSE(c.converge.has_value());
 }
 
+TEST(CaseFile, AMethodChosenOnTheCommandLineDropsTheFilesKeysOfAnother) {
+  const Case c = parse_example({"method.step=1e-3", "method.name=strang"});
+  EXPECT_EQ(std::get<StrangOptions>(c.method), (StrangOptions{1e-3, SplittingOrder::reaction_last}));
+  // The same method again changes nothing.
+  EXPECT_EQ(std::get<AdaptiveStrangOptions>(parse_example({"method.name=adaptive-strang"}).method).tolerance, 1e-5);
+}
+
 TEST(CaseFile, CustomModelKeepsTheOrderOfItsSpeciesAndOfTheFile) {
   const Case c = parse_example({}, custom_text);
   EXPECT_TRUE(c.model.is_custom());
@@ -52,8 +59,8 @@ TEST(CaseFile, CustomModelKeepsTheOrderOfItsSpeciesAndOfTheFile) {
 TEST(CaseFile, ReactionNetworksAreArraysOfTables) {
   const Case c = parse_example({}, network_text);
   ASSERT_EQ(c.model.reactions.size(), 2U);
-  EXPECT_EQ(c.model.reactions[0], (ReactionOptions{"2 u + v -> 3 u", 1.0}));
-  EXPECT_EQ(c.model.reactions[1], (ReactionOptions{"u -> 0", "0.1*(1 + x)"}));
+  EXPECT_EQ(c.model.reactions[0], (ReactionOptions{"2 u + v -> 3 u", 1.0, std::nullopt, true}));
+  EXPECT_EQ(c.model.reactions[1], (ReactionOptions{"u <-> 0", "0.1*(1 + x)", Value(0.01), false}));
 }
 
 TEST(CaseFile, BoundariesAreGivenByAxisOrBySide) {
@@ -90,7 +97,7 @@ TEST(CaseFile, MethodsFillInWhatDependsOnOtherKeys) {
   const auto cvode =
       std::get<CvodeOptions>(method(R"({name = "cvode", absolute_tolerance = { c = 3e-9, a = 1e-6, b = 2e-8 }})"));
   EXPECT_EQ(cvode.absolute_tolerance, Tolerance(NamedList<double>{{"a", 1e-6}, {"b", 2e-8}, {"c", 3e-9}}));
-  EXPECT_EQ(cvode.linear_solver, LinearSolver::band);
+  EXPECT_EQ(cvode.linear_solver, LinearSolver::gmres);
   EXPECT_EQ(std::get<CvodeOptions>(method(R"({name = "cvode"})", {"grid.points=[9, 9]"})).linear_solver,
             LinearSolver::gmres);
 }
@@ -140,7 +147,7 @@ std::string every_option_text(const std::string& method) {
   text.erase(text.find("[method]"));
   return text + method + R"toml(
 [boundary]
-x_lower = { type = "dirichlet", u = 0.1, v = "sin(t)*\"" }
+x_lower = { type = "dirichlet", u = 0.1, v = "sin(t)*2" }
 y = "periodic"
 [space]
 order = 4
@@ -218,7 +225,7 @@ TEST(CaseFile, DifferentOptionsAreSeenAsDifferent) {
   EXPECT_TRUE(parse_example().same_options(parse_example()));
   for (const char* change :
        {"title=B", "grid.points=[102]", "boundary.x=periodic", "space.order=4", "model.parameters.q=1e-9",
-        "initial.profile=bz-spiral", "time.end=3", "method.tolerance=1e-6", "diffusion_solver.tolerance=1e-6",
+        "initial.profile=bz-ignition", "time.end=3", "method.tolerance=1e-6", "diffusion_solver.tolerance=1e-6",
         "reaction_solver.tolerance=1e-6", "output.checkpoint.at_end=true", "limits.max_steps=5"}) {
     EXPECT_FALSE(parse_example().same_options(parse_example({change}))) << change;
   }

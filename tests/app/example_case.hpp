@@ -15,7 +15,7 @@ inline std::vector<ModelDescription> example_models() {
                     {"a", "b", "c"},
                     {{"epsilon", 1e-2}, {"mu", 1e-5}, {"f", 1.6}, {"q", 2e-3}},
                     {2.5e-3, 2.5e-3, 1.5e-3},
-                    {{"bz-front", "a wave"}, {"bz-ignition", "two waves"}, {"bz-spiral", "a spiral"}}});
+                    {{"bz-front", "a wave"}, {"bz-ignition", "two waves"}, {"bz-spiral", "a spiral", 2}}});
   models.push_back({"kpp", "Kolmogorov et al. 1937", {"u"}, {{"k", 1.0}}, {1.0}, {{"kpp-front", "a wave"}}});
   return models;
 }
@@ -65,8 +65,10 @@ species = ["u", "v"]
 equation = "2 u + v -> 3 u"
 rate = 1.0
 [[model.reactions]]
-equation = "u -> 0"
+equation = "u <-> 0"
 rate = "0.1*(1 + x)"
+reverse_rate = 0.01
+mass_action = false
 [initial]
 u = 1
 v = 0

@@ -131,6 +131,12 @@ TEST(Simd, StoresWriteTheLanesAskedForOnly) {
     EXPECT_EQ(x[0], -1.0);
     for (int l = 0; l <= pack_size; ++l) EXPECT_EQ(x[l + 1], l < n ? numbers(1.0)[l] : -1.0);
   }
+  float y[pack_size + 1];
+  for (int n = 0; n <= pack_size; ++n) {
+    for (float& v : y) v = -1.0F;
+    numbers(1.0).store_as_float(y, n);
+    for (int l = 0; l <= pack_size; ++l) EXPECT_EQ(y[l], l < n ? static_cast<float>(numbers(1.0)[l]) : -1.0F);
+  }
   numbers(2.0).store(x + 1);
   EXPECT_TRUE(all(Pack::load(x + 1) == numbers(2.0)));
 }

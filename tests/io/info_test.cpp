@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "stiffront/core/error.hpp"
+#include "stiffront/io/checkpoint.hpp"
 #include "stiffront/io/result_file.hpp"
 #include "support/diffusion_problem.hpp"
 #include "support/temporary_folder.hpp"
@@ -36,14 +37,32 @@ TEST_F(InfoTest, AStateIsDescribedWithItsGridTimeRangesAndCase) {
   }
 }
 
+TEST_F(InfoTest, APartOfACheckpointIsDescribedWithItsBoxAndArrays) {
+  Grid grid = testing::unit_grid(5, 4);
+  const Decomposition decomposition(comm_, grid, {0, 0}, 2);
+  Field u(decomposition, 2, 1);
+  u.at(1, 3, 2) = 7.0;
+  write_checkpoint(folder_.path(), {30, 0.5, "m", {"a", "b"}, grid, ""}, decomposition, 2, [&](StateVisitor& v) { v.field("u", u); });
+  const std::string text = describe_file(folder_.file("000030/rank-0000.h5"));
+  for (const char* part : {"part of a checkpoint", "time      0.5\n", "step      30\n", "5 x 4 points from (0, 0)",
+                           "fields/u  [2][4][5] min 0, max 7, mean 0.175\n"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\nnot in\n" << text;
+  }
+}
+
 TEST_F(InfoTest, AForeignFileIsListed) {
   const std::string path = folder_.file("other.h5");
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  H5Gclose(H5Gcreate2(file, "group", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  const hid_t group = H5Gcreate2(file, "group", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t extent = 3;
+  const hid_t space = H5Screate_simple(1, &extent, nullptr);
+  H5Dclose(H5Dcreate2(group, "zeros", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Sclose(space);
+  H5Gclose(group);
   H5Fclose(file);
   const std::string text = describe_file(path);
   EXPECT_NE(text.find("no result of this program"), std::string::npos) << text;
-  EXPECT_NE(text.find("group"), std::string::npos) << text;
+  EXPECT_NE(text.find("group/zeros [3] min 0, max 0, mean 0"), std::string::npos) << text;
 }
 
 TEST_F(InfoTest, AFileThatCannotBeReadIsNamed) {

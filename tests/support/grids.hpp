@@ -7,7 +7,7 @@
 #include "stiffront/mesh/boundary.hpp"
 #include "stiffront/mesh/grid.hpp"
 
-namespace stiffront::test {
+namespace stiffront::testing {
 
 /// Kinds of the lower and the upper side of one direction.
 using Sides = std::array<BoundaryKind, 2>;
@@ -48,4 +48,4 @@ inline Boundary boundary_of(const Sides& x, const Sides& y, int n_species, const
 
 inline double zero(double, double, double) { return 0.0; }
 
-}  // namespace stiffront::test
+}  // namespace stiffront::testing

@@ -63,7 +63,9 @@ struct SpaceOptions {
 /// One reaction of [[model.reactions]].
 struct ReactionOptions {
   std::string equation;
-  Value rate;
+  Value rate;                         ///< coefficient of the law of mass action, or the whole rate
+  std::optional<Value> reverse_rate;  ///< of the backward direction of "<->"
+  bool mass_action = true;
 
   bool operator==(const ReactionOptions&) const = default;
 };

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -57,6 +58,16 @@ struct Pack {
   /// Writes the first n lanes only.
   void store_partial(double* p, int n) const {
     for (int l = 0; l < n && l < pack_size; ++l) p[l] = v[l];
+  }
+  /// Writes the first n lanes, rounded to single precision.
+  void store_as_float(float* p, int n) const {
+    typedef float Narrow __attribute__((vector_size(pack_size * sizeof(float))));  // NOLINT
+    const Narrow narrow = __builtin_convertvector(v, Narrow);
+    if (n == pack_size) {
+      std::memcpy(p, &narrow, sizeof narrow);
+    } else {
+      for (int l = 0; l < n; ++l) p[l] = narrow[l];
+    }
   }
   double operator[](int lane) const { return v[lane]; }
   void set(int lane, double x) { v[lane] = x; }
@@ -124,6 +135,26 @@ inline bool none(Mask m) { return bits(m) == 0; }
 
 /// m ? a : b in each lane.
 inline Pack select(Mask m, Pack a, Pack b) { return Pack(m.v ? a.v : b.v); }
+
+/// Writes the lanes of the mask only.
+inline void store_lanes(Pack x, double* p, Mask m) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  _mm512_mask_storeu_pd(p, static_cast<__mmask8>(bits(m)), x.v);
+#else
+  for (int l = 0; l < pack_size; ++l) {
+    if (m[l]) p[l] = x[l];
+  }
+#endif
+}
+
+/// The pack that begins n lanes after the beginning of lo, where hi is what follows lo in memory: an unaligned load without the load.
+template <int n>
+Pack straddle(Pack lo, Pack hi) {
+  static_assert(0 < n && n < pack_size);
+  return [&]<int... lane>(std::integer_sequence<int, lane...>) {
+    return Pack(static_cast<Pack::Vector>(__builtin_shufflevector(lo.v, hi.v, (n + lane)...)));
+  }(std::make_integer_sequence<int, pack_size>());
+}
 
 /// a*b + c, rounded once where the target can fuse it, twice elsewhere: the same in every lane and at every call of one build.
 inline Pack mul_add(Pack a, Pack b, Pack c) {
@@ -218,8 +249,10 @@ struct ScalarTraits<double> {
   static double load_partial(const double* p, int) { return *p; }
   static void store(double x, double* p) { *p = x; }
   static void store_partial(double x, double* p, int) { *p = x; }
+  static void store_as_float(double x, float* p, int) { *p = static_cast<float>(x); }
   static double lane(double x, int) { return x; }
   static void set_lane(double& x, int, double y) { x = y; }
+  static void set_lane(bool& m, int, bool b) { m = b; }
   static bool first(int n) { return n > 0; }
 };
 
@@ -231,8 +264,10 @@ struct ScalarTraits<Pack> {
   static Pack load_partial(const double* p, int n) { return Pack::load_partial(p, n); }
   static void store(Pack x, double* p) { x.store(p); }
   static void store_partial(Pack x, double* p, int n) { x.store_partial(p, n); }
+  static void store_as_float(Pack x, float* p, int n) { x.store_as_float(p, n); }
   static double lane(Pack x, int l) { return x[l]; }
   static void set_lane(Pack& x, int l, double y) { x.set(l, y); }
+  static void set_lane(Mask& m, int l, bool b) { m.set(l, b); }
   static Mask first(int n) { return Mask::first(n); }
 };
 

@@ -10,6 +10,7 @@
 #include "stiffront/core/simd.hpp"
 #include "stiffront/mesh/decomposition.hpp"
 #include "stiffront/mesh/grid.hpp"
+#include "stiffront/model/conserved_sums.hpp"
 
 namespace stiffront {
 
@@ -81,16 +82,18 @@ struct ModelDescription {
     std::string name;
     double value;
   };
-  struct NamedText {
+  struct NamedProfile {
     std::string name;
     std::string what;
+    int dimension = 1;  ///< the least dimension of a grid it makes sense on
   };
   std::string name;
   std::string source;
   std::vector<std::string> species;
   std::vector<NamedNumber> parameters;  ///< with their defaults
   std::vector<double> diffusion;        ///< default coefficients, one per species
-  std::vector<NamedText> profiles;
+  std::vector<NamedProfile> profiles;
+  std::vector<ConservedSum> conserved;  ///< what the reactions leave constant, as far as it is known (reaction networks)
 
   int n_species() const { return static_cast<int>(species.size()); }
 };
@@ -104,19 +107,19 @@ ModelDescription describe() {
   for (const char* s : M::species) d.species.emplace_back(s);
   for (double c : M::diffusion) d.diffusion.push_back(c);
   for (const Parameter<M>& p : M::parameters) d.parameters.push_back({p.name, fresh.*p.member});
-  for (const Profile<M>& p : M::profiles) d.profiles.push_back({p.name, p.what});
+  for (const Profile<M>& p : M::profiles) d.profiles.push_back({p.name, p.what, p.dimension});
   return d;
 }
 
-/// Rates and exact Jacobian of a pack of cells together: jacobian[i][j] = d rates_i / d u_j. Kernels call this one; it uses duals
-/// unless the model has a member of the same name and arguments (models whose formulas are data know their derivatives).
-template <Model M>
-void rates_and_jacobian(const M& model, const Pack* u, Pack* du, Pack (*jacobian)[M::n_species], const Place<Pack>& place) {
+/// Rates and exact Jacobian of a cell or a pack of cells together: jacobian[i][j] = d rates_i / d u_j. Kernels call this one; it
+/// uses duals unless the model has a member of the same name and arguments (models whose formulas are data know their derivatives).
+template <class M, class T>
+void rates_and_jacobian(const M& model, const T* u, T* du, T (*jacobian)[M::n_species], const Place<T>& place) {
   if constexpr (requires { model.rates_and_jacobian(u, du, jacobian, place); }) {
     model.rates_and_jacobian(u, du, jacobian, place);
   } else {
     constexpr int n = M::n_species;
-    using D = Dual<Pack, n>;
+    using D = Dual<T, n>;
     D v[n];
     D dv[n];
     for (int i = 0; i < n; ++i) v[i] = D::variable(u[i], i);

@@ -11,6 +11,7 @@
 #include "stiffront/core/error.hpp"
 #include "stiffront/model/model.hpp"
 #include "stiffront/model/reaction_term.hpp"
+#include "stiffront/solvers/radau5.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
 #include "stiffront/space/laplacian.hpp"
 
@@ -23,6 +24,8 @@ class ModelKernels : public ReactionTerm {
   int n_species() const override { return description().n_species(); }
   /// Fills the interior of u with a built-in profile. @throws Error(input) for a name the model does not have.
   virtual void initialise(const std::string& profile, Field& u) const = 0;
+  /// @throws Error(bug) for tolerances that are not one positive number per species
+  virtual std::unique_ptr<ReactionSolver> make_radau5(const CellTolerances& tolerances) const = 0;
   /// The sweeps of the method sbdf.
   virtual std::unique_ptr<SbdfKernel> make_sbdf() const = 0;
 };
@@ -47,6 +50,12 @@ class ModelKernelsOf final : public ModelKernels {
   ModelKernelsOf(M model, ModelDescription description) : model_(std::move(model)), description_(std::move(description)) {}
 
   const ModelDescription& description() const override { return description_; }
+
+  std::unique_ptr<ReactionSolver> make_radau5(const CellTolerances& tolerances) const override {
+    return std::make_unique<Radau5<M>>(model_, tolerances);
+  }
+
+  std::unique_ptr<SbdfKernel> make_sbdf() const override { return std::make_unique<SbdfKernelOf<M>>(model_); }
 
   void initialise(const std::string& profile, Field& u) const override {
     for (const Profile<M>& p : M::profiles) {
@@ -138,8 +147,6 @@ class ModelKernelsOf final : public ModelKernels {
     }
     return all(finite) ? max_lane(largest) : std::numeric_limits<double>::infinity();
   }
-
-  std::unique_ptr<SbdfKernel> make_sbdf() const override { return std::make_unique<SbdfKernelOf<M>>(model_); }
 
   void rates_at(double t, double x, double y, const double* u, double* du) const override { cell_rates(model_, t, x, y, u, du); }
   void jacobian_at(double t, double x, double y, const double* u, double* jacobian) const override {

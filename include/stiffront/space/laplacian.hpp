@@ -6,18 +6,31 @@
 
 namespace stiffront {
 
-/// Centred second difference along one direction at a pack of points: sum of c_k u_k without the factor 1/dx^2.
-/// Order 2: (1, -2, 1). Order 4: (-1, 16, -30, 16, -1)/12, written so that mirror images give the same bits and a constant gives
-/// zero: with rounded weights of the points themselves it would drift in every stage in the same direction.
+/// Centred second difference along one direction from the values at a point and at distance 1 and 2 on either side: sum of c_k u_k
+/// without the factor 1/dx^2. Order 2: (1, -2, 1); the outer values are not used. Order 4: (-1, 16, -30, 16, -1)/12.
+///
+/// Written so that mirror images give the same bits and a constant gives zero: with rounded weights of the points themselves it
+/// would drift in every stage in the same direction.
 template <int Order>
-Pack second_difference(const double* u, std::ptrdiff_t step, Pack centre) {
+Pack second_difference(Pack centre, Pack before, Pack after, Pack far_before, Pack far_after) {
   static_assert(Order == 2 || Order == 4);
-  const Pack near = neg_mul_add(Pack(2.0), centre, Pack::load(u - step) + Pack::load(u + step));
+  const Pack near = neg_mul_add(Pack(2.0), centre, before + after);
   if constexpr (Order == 2) {
     return near;
   } else {
-    const Pack far = neg_mul_add(Pack(2.0), centre, Pack::load(u - 2 * step) + Pack::load(u + 2 * step));
+    const Pack far = neg_mul_add(Pack(2.0), centre, far_before + far_after);
     return mul_add(Pack(4.0 / 3.0), near, far * Pack(-1.0 / 12.0));
+  }
+}
+
+/// The same from memory.
+template <int Order>
+Pack second_difference(const double* u, std::ptrdiff_t step, Pack centre) {
+  if constexpr (Order == 2) {
+    return second_difference<2>(centre, Pack::load(u - step), Pack::load(u + step), centre, centre);
+  } else {
+    return second_difference<4>(centre, Pack::load(u - step), Pack::load(u + step), Pack::load(u - 2 * step),
+                                Pack::load(u + 2 * step));
   }
 }
 

@@ -1,0 +1,17 @@
+# The case files of drivers/cases become part of the library: STIFFRONT_CASE_SOURCE is a source with their texts. The file
+# is made again when one of them changes or a new one appears.
+file(GLOB case_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/drivers/cases/*.toml)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${case_files})
+set(case_names "")
+foreach(case_file ${case_files})
+  get_filename_component(case_name ${case_file} NAME_WE)
+  list(APPEND case_names ${case_name})
+endforeach()
+list(SORT case_names)
+set(CASE_ENTRIES "")
+foreach(case_name ${case_names})
+  file(READ ${PROJECT_SOURCE_DIR}/drivers/cases/${case_name}.toml case_text)
+  string(APPEND CASE_ENTRIES "    {\"${case_name}\", R\"case(${case_text})case\"},\n")
+endforeach()
+set(STIFFRONT_CASE_SOURCE ${PROJECT_BINARY_DIR}/generated/builtin_cases.cpp)
+configure_file(${PROJECT_SOURCE_DIR}/cmake/builtin_cases.cpp.in ${STIFFRONT_CASE_SOURCE} @ONLY)

@@ -1,0 +1,7 @@
+# One translation unit per number of species of models written in case files (max_custom_species in
+# include/stiffront/solvers/custom_model.hpp).
+foreach(N_SPECIES RANGE 1 8)
+  set(source ${PROJECT_BINARY_DIR}/generated/models/expression_kernels_${N_SPECIES}.cpp)
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/expression_kernels.cpp.in ${source} @ONLY)
+  list(APPEND STIFFRONT_MODEL_SOURCES ${source})
+endforeach()

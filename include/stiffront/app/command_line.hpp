@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace stiffront::app {
+
+/// A case as the command line names it.
+struct CaseArguments {
+  std::string file;                    ///< a path, or the name of a built-in case
+  std::vector<std::string> overrides;  ///< KEY=VALUE
+};
+
+/// What the command line says about a run that is no part of the case.
+struct RunArguments {
+  std::string restart;            ///< "latest", the directory of a checkpoint, or empty
+  std::string progress = "auto";  ///< "auto", "always" or "never"
+  bool force = false;             ///< results of another run may be overwritten
+  bool quiet = false;
+};
+
+struct RunCommand {
+  CaseArguments source;  ///< -o is the last override, of output.directory
+  RunArguments run;
+};
+struct CheckCommand {
+  CaseArguments source;
+};
+struct ConvergeCommand {
+  CaseArguments source;
+  RunArguments run;  ///< force and quiet
+};
+struct ListCommand {
+  std::string what;  ///< "cases", "models", "methods"; empty: all
+};
+struct CaseCommand {
+  std::string name;
+};
+struct InfoCommand {
+  std::string file;
+};
+struct PlotCommand {
+  std::string directory;
+  std::optional<std::string> species;
+  std::optional<std::string> output;
+};
+struct InputReferenceCommand {};
+/// --help, --version: the answer itself.
+struct AnswerCommand {
+  std::string text;
+};
+
+using Command = std::variant<RunCommand, CheckCommand, ConvergeCommand, ListCommand, CaseCommand, InfoCommand,
+                             PlotCommand, InputReferenceCommand, AnswerCommand>;
+
+/// Needs no MPI.
+/// @throws Error(usage) that says what is wrong and what is allowed
+Command parse_command_line(int argc, const char* const* argv);
+
+/// Version, revision, compiler and libraries: what --version prints.
+std::string version_text();
+
+}  // namespace stiffront::app

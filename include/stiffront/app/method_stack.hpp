@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <memory>
+#include <string>
+
+#include "stiffront/app/problem.hpp"
+#include "stiffront/control/method.hpp"
+#include "stiffront/core/timer.hpp"
+#include "stiffront/splitting/reaction_flow.hpp"
+
+namespace stiffront::app {
+
+/// The method of a case together with the flows it is made of.
+///
+/// @throws Error(input) for what a case may say but the problem at hand does not allow.
+class MethodStack {
+ public:
+  MethodStack(const Case& c, Problem& problem);
+
+  Method& method() { return *method_; }
+  /// Null for methods that do not split.
+  const ReactionFlow* reaction_flow() const { return reaction_.get(); }
+  /// Adds the time spent in the flows so far.
+  void add_seconds(PhaseSeconds& phases) const;
+  /// A sentence for the log when the method was chosen by the program; otherwise empty.
+  const std::string& choice() const { return choice_; }
+
+ private:
+  void make_flows(const Case& c, Problem& problem, double method_tolerance);
+  void make(const Case& c, const LieOptions& o, Problem& problem);
+  void make(const Case& c, const StrangOptions& o, Problem& problem);
+  void make(const Case& c, const AdaptiveStrangOptions& o, Problem& problem);
+  void make(const Case& c, const DcsOptions& o, Problem& problem);
+  void make(const Case& c, const SdcOptions& o, Problem& problem);
+  void make(const Case& c, const SbdfOptions& o, Problem& problem);
+  void make(const Case& c, const CvodeOptions& o, Problem& problem);
+  void make(const Case& c, const AutoOptions& o, Problem& problem);
+
+  double diffusion_seconds_ = 0.0;
+  std::unique_ptr<ReactionFlow> reaction_;
+  std::unique_ptr<Flow> rock4_;
+  std::unique_ptr<Flow> diffusion_;
+  std::unique_ptr<Method> method_;
+  std::string choice_;
+};
+
+}  // namespace stiffront::app

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+namespace stiffront::app {
+
+/// Ends the process when nothing has been achieved for too long: MPI has no time-out, so a rank that is stopped or waits for a dead
+/// file system would hang the job for ever. A thread that makes no MPI calls says which rank and host it is and aborts.
+class Watchdog {
+ public:
+  /// @param limit_seconds 0: never.
+  Watchdog(int rank, double limit_seconds);
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+  ~Watchdog();
+
+  /// Something was achieved.
+  void reset();
+
+ private:
+  void watch();
+
+  int rank_;
+  double limit_;
+  std::atomic<double> last_;
+  bool done_ = false;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::thread thread_;
+};
+
+}  // namespace stiffront::app

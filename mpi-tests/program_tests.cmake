@@ -1,0 +1,38 @@
+# How a job ends when ranks fail.
+add_executable(job_failures faults/job_failures.cpp)
+target_link_libraries(job_failures PRIVATE stiffront::stiffront)
+stiffront_compile_flags(job_failures)
+add_test(NAME faults.job_failures
+  COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/faults/job_failures.sh $<TARGET_FILE:job_failures> ${MPIEXEC_EXECUTABLE})
+set_tests_properties(faults.job_failures PROPERTIES LABELS fault PROCESSORS 2 TIMEOUT 120
+  ENVIRONMENT "${STIFFRONT_MPI_ENVIRONMENT}")
+
+# The program itself: a case gives the same bits on every number and layout of ranks.
+function(same_bits_test name case layouts)
+  add_test(NAME same_bits.${name}
+    COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/same_bits.sh $<TARGET_FILE:stiffront_program> ${MPIEXEC_EXECUTABLE}
+            ${PROJECT_SOURCE_DIR}/drivers/cases/${case}.toml ${layouts} ${ARGN})
+  set_tests_properties(same_bits.${name} PROPERTIES
+    PROCESSORS 4 TIMEOUT 240 LABELS "mpi;program" ENVIRONMENT "${STIFFRONT_MPI_ENVIRONMENT}")
+endfunction()
+
+set(lines "1x1 2x1 3x1 4x1")
+set(boxes "1x1 2x1 1x3 2x2")
+same_bits_test(strang-1d bz-1d "${lines}" method.name=strang method.step=1e-3 time.end=0.02)
+same_bits_test(adaptive-strang-1d bz-1d "${lines}" method.name=adaptive-strang method.tolerance=1e-4 time.end=0.01)
+same_bits_test(dcs-1d bz-1d "${lines}" method.name=dcs method.tolerance=1e-5 time.end=2e-3)
+same_bits_test(adaptive-strang-2d bz-2d-spiral "${boxes}" "grid.points=[67, 61]" method.name=adaptive-strang method.tolerance=1e-3 time.end=0.01)
+same_bits_test(strang-order-4 brusselator-2d "${boxes}" "grid.points=[67, 61]" space.order=4 method.name=strang method.step=0.05 time.end=0.2)
+
+# Restarts continue bitwise, also on another number of ranks.
+function(restart_test name case every)
+  add_test(NAME restart.${name}
+    COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/restart.sh $<TARGET_FILE:stiffront_program> ${MPIEXEC_EXECUTABLE}
+            ${PROJECT_SOURCE_DIR}/drivers/cases/${case}.toml ${every} ${ARGN})
+  set_tests_properties(restart.${name} PROPERTIES
+    PROCESSORS 3 TIMEOUT 240 LABELS "mpi;program;restart" ENVIRONMENT "${STIFFRONT_MPI_ENVIRONMENT}")
+endfunction()
+
+restart_test(strang bz-1d 7 method.name=strang method.step=1e-3 time.end=0.02)
+restart_test(adaptive-strang bz-1d 37 method.name=adaptive-strang method.tolerance=1e-4 time.end=4e-3)
+restart_test(dcs bz-1d 37 method.name=dcs method.tolerance=1e-5 time.end=2e-3)

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stiffront/app/method_stack.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "stiffront/control/adaptive_strang.hpp"
+#include "stiffront/control/cvode.hpp"
+#include "stiffront/control/deferred_correction.hpp"
+#include "stiffront/control/fixed_step.hpp"
+#include "stiffront/core/error.hpp"
+#include "stiffront/solvers/cvode_cells.hpp"
+#include "stiffront/solvers/rock4.hpp"
+#include "stiffront/splitting/timed_flow.hpp"
+
+namespace stiffront::app {
+namespace {
+
+stiffront::SplittingOrder order_of(SplittingOrder o) {
+  return o == SplittingOrder::reaction_last ? stiffront::SplittingOrder::reaction_last : stiffront::SplittingOrder::diffusion_last;
+}
+
+std::vector<int> species_indices(const std::vector<std::string>& names, const Problem& problem) {
+  std::vector<int> indices;
+  const std::vector<std::string>& all = problem.model->description().species;
+  for (const std::string& name : names) indices.push_back(static_cast<int>(std::find(all.begin(), all.end(), name) - all.begin()));
+  return indices;
+}
+
+/// Absolute tolerances of the inner solvers: the relative one times the scale of the species, but never above the relative one
+/// itself, so that species with small numbers are resolved like those of order one.
+std::vector<double> inner_absolute(double tolerance, const Problem& problem) {
+  std::vector<double> a;
+  for (double scale : problem.scales()) a.push_back(tolerance * std::min(1.0, scale));
+  return a;
+}
+
+std::vector<double> per_species(const Tolerance& tolerance, const Problem& problem) {
+  const std::vector<std::string>& names = problem.model->description().species;
+  std::vector<double> a(names.size(), 0.0);
+  if (const double* one = std::get_if<double>(&tolerance)) {
+    std::fill(a.begin(), a.end(), *one);
+  } else {
+    for (const auto& [name, value] : std::get<NamedList<double>>(tolerance)) {
+      a[static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin())] = value;
+    }
+  }
+  return a;
+}
+
+}  // namespace
+
+void MethodStack::make_flows(const Case& c, Problem& problem, double method_tolerance) {
+  // Inner solvers must be finer than the splitting error they are there to reveal.
+  const double finest = method_tolerance > 0.0 ? 0.01 * method_tolerance : 1.0;
+  const double reaction_tolerance = std::min(c.reaction_solver.tolerance, finest);
+  const double diffusion_tolerance = std::min(c.diffusion_solver.tolerance, finest);
+  CellTolerances cell{reaction_tolerance, inner_absolute(reaction_tolerance, problem)};
+  std::unique_ptr<stiffront::ReactionSolver> solver;
+  if (c.reaction_solver.name == ReactionSolver::radau5) {
+    solver = problem.model->make_radau5(cell);
+  } else {
+    solver = std::make_unique<CvodeCells>(*problem.model, cell);
+  }
+  reaction_ = std::make_unique<ReactionFlow>(problem.decomposition, problem.boundary, std::move(solver));
+  rock4_ = std::make_unique<Rock4>(problem.decomposition, problem.diffusion,
+                                   Rock4Tolerances{diffusion_tolerance, inner_absolute(diffusion_tolerance, problem)});
+  diffusion_ = std::make_unique<TimedFlow>(*rock4_, diffusion_seconds_);
+}
+
+MethodStack::MethodStack(const Case& c, Problem& problem) {
+  std::visit([&](const auto& options) { make(c, options, problem); }, c.method);
+}
+
+void MethodStack::make(const Case& c, const LieOptions& o, Problem& problem) {
+  make_flows(c, problem, 0.0);
+  method_ = std::make_unique<FixedStep>(problem.decomposition, problem.boundary, *reaction_, *diffusion_, lie(order_of(o.order)), o.step);
+}
+
+void MethodStack::make(const Case& c, const StrangOptions& o, Problem& problem) {
+  make_flows(c, problem, 0.0);
+  method_ = std::make_unique<FixedStep>(problem.decomposition, problem.boundary, *reaction_, *diffusion_, strang(order_of(o.order)), o.step);
+}
+
+void MethodStack::make(const Case& c, const AdaptiveStrangOptions& o, Problem& problem) {
+  make_flows(c, problem, o.tolerance);
+  stiffront::AdaptiveStrangOptions a;
+  a.tolerance = o.tolerance;
+  a.initial_step = o.initial_step;
+  a.epsilon = o.epsilon;
+  a.epsilon_max = o.epsilon_max;
+  a.critical_step = o.critical_step;
+  a.period = o.period;
+  a.safety = o.safety;
+  a.critical_safety = o.critical_safety;
+  a.beta = o.beta;
+  a.gamma = o.gamma;
+  a.theta = o.theta;
+  a.order = order_of(o.order);
+  a.species = species_indices(o.species, problem);
+  method_ = std::make_unique<AdaptiveStrang>(problem.state, problem.boundary, *problem.model, *reaction_, *diffusion_, std::move(a));
+}
+
+void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
+  make_flows(c, problem, o.tolerance.value_or(0.0));
+  DeferredCorrectionOptions d;
+  d.tolerance = o.tolerance.value_or(0.0);
+  d.fixed_step = o.step.value_or(0.0);
+  d.iterations = o.iterations.value_or(0);
+  d.stages = o.stages;
+  d.max_iterations = o.max_iterations.value_or(4);
+  d.strang = o.splitting == Splitting::strang;
+  switch (o.step_rule) {
+    case StepRule::k: d.step_rule = DeferredCorrectionOptions::StepRule::k; break;
+    case StepRule::kmax: d.step_rule = DeferredCorrectionOptions::StepRule::kmax; break;
+    case StepRule::min: d.step_rule = DeferredCorrectionOptions::StepRule::min; break;
+  }
+  d.safety = o.safety;
+  d.predict = o.predict;
+  d.initial_step = o.initial_step;
+  method_ = std::make_unique<DeferredCorrection>(problem.state, problem.rhs, *reaction_, *diffusion_, std::move(d));
+}
+
+void MethodStack::make(const Case& c, const SdcOptions&, Problem&) {
+  throw Error(ErrorKind::input, fmt::format("{}: method.name: \"sdc\" is not available in this version", c.file));
+}
+
+void MethodStack::make(const Case& c, const SbdfOptions&, Problem&) {
+  throw Error(ErrorKind::input, fmt::format("{}: method.name: \"sbdf\" is not available in this version", c.file));
+}
+
+void MethodStack::make(const Case&, const CvodeOptions& o, Problem& problem) {
+  stiffront::CvodeOptions k;
+  k.relative_tolerance = o.relative_tolerance;
+  k.absolute_tolerance = per_species(o.absolute_tolerance.value_or(Tolerance{0.01 * o.relative_tolerance}), problem);
+  k.linear_solver = o.linear_solver == LinearSolver::band ? stiffront::CvodeOptions::LinearSolver::band
+                                                          : stiffront::CvodeOptions::LinearSolver::gmres;
+  method_ = std::make_unique<Cvode>(problem.state, problem.rhs, std::move(k));
+}
+
+void MethodStack::make(const Case& c, const AutoOptions&, Problem&) {
+  throw Error(ErrorKind::input, fmt::format("{}: method.name: \"auto\" is not available in this version", c.file));
+}
+
+void MethodStack::add_seconds(PhaseSeconds& phases) const {
+  phases.diffusion += diffusion_seconds_;
+  if (reaction_) phases.reaction += reaction_->seconds();
+}
+
+}  // namespace stiffront::app
