@@ -12,6 +12,7 @@
 #include "stiffront/control/cvode.hpp"
 #include "stiffront/control/deferred_correction.hpp"
 #include "stiffront/control/fixed_step.hpp"
+#include "stiffront/control/sbdf.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/solvers/cvode_cells.hpp"
 #include "stiffront/solvers/rock4.hpp"
@@ -129,8 +130,14 @@ void MethodStack::make(const Case& c, const SdcOptions&, Problem&) {
   throw Error(ErrorKind::input, fmt::format("{}: method.name: \"sdc\" is not available in this version", c.file));
 }
 
-void MethodStack::make(const Case& c, const SbdfOptions&, Problem&) {
-  throw Error(ErrorKind::input, fmt::format("{}: method.name: \"sbdf\" is not available in this version", c.file));
+void MethodStack::make(const Case&, const SbdfOptions& o, Problem& problem) {
+  stiffront::SbdfOptions k;
+  k.relative_tolerance = o.relative_tolerance;
+  if (o.absolute_tolerance) k.absolute_tolerance = per_species(*o.absolute_tolerance, problem);
+  k.max_order = o.max_order;
+  k.max_sweeps = o.max_sweeps;
+  k.initial_step = o.initial_step;
+  method_ = std::make_unique<Sbdf>(problem.state, problem.rhs, *problem.model, std::move(k));
 }
 
 void MethodStack::make(const Case&, const CvodeOptions& o, Problem& problem) {

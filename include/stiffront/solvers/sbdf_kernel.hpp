@@ -108,6 +108,23 @@ class SbdfKernelOf final : public SbdfKernel {
     for (int s = 0; s < m; ++s) std::copy_n(out[s], n, target[s]);
   }
 
+  /// Rates with their Jacobian. A model that knows its derivatives itself is asked for them.
+  STIFFRONT_ALWAYS_INLINE static void evaluate(const M& model, const Pack* u, SparseDual<Pack, m>* rate, const Place<Pack>& place) {
+    if constexpr (requires(Pack* value, Pack(*jacobian)[m]) { model.rates_and_jacobian(u, value, jacobian, place); }) {
+      Pack value[m];
+      Pack jacobian[m][m];
+      model.rates_and_jacobian(u, value, jacobian, place);
+      for (int s = 0; s < m; ++s) {
+        rate[s].value = value[s];
+        for (int q = 0; q < m; ++q) rate[s].derivative[q] = Sparse<Pack>(jacobian[s][q]);
+      }
+    } else {
+      SparseDual<Pack, m> variables[m];
+      unroll<m>([&](auto s) __attribute__((always_inline)) { variables[s] = SparseDual<Pack, m>::variable(u[s], s); });
+      model.rates(variables, rate, place);
+    }
+  }
+
   /// n >= pack_size cells. The last pack overlaps the one before: its common cells are computed twice, with the same
   /// bits.
   template <int Order, int Dimension>
@@ -140,13 +157,9 @@ class SbdfKernelOf final : public SbdfKernel {
     for (int begin = 0; begin < n; begin += pack_size) {
       const int i = std::min(begin, n - pack_size);
       Pack centre[m];
-      SparseDual<Pack, m> u[m];
       SparseDual<Pack, m> rate[m];
-      unroll<m>([&](auto s) __attribute__((always_inline)) {
-        centre[s] = Pack::load(v[s] + i);
-        u[s] = SparseDual<Pack, m>::variable(centre[s], s);
-      });
-      model.rates(u, rate, Place<Pack>{time, lower + (Pack(first + i) + lane) * spacing, y});
+      unroll<m>([&](auto s) __attribute__((always_inline)) { centre[s] = Pack::load(v[s] + i); });
+      evaluate(model, centre, rate, Place<Pack>{time, lower + (Pack(first + i) + lane) * spacing, y});
       Sparse<Pack> a[m][m];
       Sparse<Pack> b[m];
       unroll<m>([&](auto s) __attribute__((always_inline)) {
