@@ -13,6 +13,7 @@
 #include "stiffront/control/deferred_correction.hpp"
 #include "stiffront/control/fixed_step.hpp"
 #include "stiffront/control/sbdf.hpp"
+#include "stiffront/control/sbdf_tables.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/solvers/cvode_cells.hpp"
 #include "stiffront/solvers/rock4.hpp"
@@ -149,8 +150,17 @@ void MethodStack::make(const Case&, const CvodeOptions& o, Problem& problem) {
   method_ = std::make_unique<Cvode>(problem.state, problem.rhs, std::move(k));
 }
 
-void MethodStack::make(const Case& c, const AutoOptions&, Problem&) {
-  throw Error(ErrorKind::input, fmt::format("{}: method.name: \"auto\" is not available in this version", c.file));
+void MethodStack::make(const Case&, const AutoOptions& o, Problem& problem) {
+  // Fixed constants only: the choice, and with it every bit, is the same on every machine. Measured over the built-in models, sbdf is the
+  // fastest method at every tolerance; its global error exceeds the tolerance per step by the accumulation over the run, for which a
+  // factor of three is kept. Where diffusion limits the steps they cost a dozen sweeps each.
+  stiffront::SbdfOptions k;
+  k.relative_tolerance = 0.3 * o.tolerance;
+  const Case& c = problem.options;
+  const double floor = problem.diffusion.spectral_radius() * (c.time.end - c.time.start) /
+                       (sbdf_z_safety(3) * sbdf_z_limit(3, sbdf_max_sweeps));
+  choice_ = fmt::format("method auto: sbdf with relative_tolerance = {:.3g}; diffusion asks for at least {:.0f} steps", k.relative_tolerance, floor);
+  method_ = std::make_unique<Sbdf>(problem.state, problem.rhs, *problem.model, std::move(k));
 }
 
 void MethodStack::add_seconds(PhaseSeconds& phases) const {
