@@ -74,6 +74,7 @@ Case with_step(Case c, double step, std::optional<int> iterations) {
 
 Case reference_case(const Case& c) {
   Case r = c;
+  r.space.order = r.space.quadrature_order.value_or(r.space.order);  // what a hybrid converges to
   const ReferenceOptions& o = c.converge->reference;
   if (o.method == "sdc") {
     SdcOptions sdc;

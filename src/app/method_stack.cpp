@@ -75,6 +75,9 @@ void MethodStack::make_flows(const Case& c, Problem& problem, double method_tole
 }
 
 MethodStack::MethodStack(const Case& c, Problem& problem) {
+  if (c.space.quadrature_order.value_or(c.space.order) != c.space.order && !std::holds_alternative<DcsOptions>(c.method)) {
+    throw Error(ErrorKind::input, fmt::format("{}: space.quadrature_order: only the method \"dcs\" has a quadrature; leave it out", c.file));
+  }
   std::visit([&](const auto& options) { make(c, options, problem); }, c.method);
 }
 
@@ -108,6 +111,18 @@ void MethodStack::make(const Case& c, const AdaptiveStrangOptions& o, Problem& p
 }
 
 void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
+  CoupledRhs* rhs = &problem.rhs;
+  if (const int order = c.space.quadrature_order.value_or(c.space.order); order != c.space.order) {
+    // The hybrid of section 6.1. Its iterates differ from the quadrature by the error in space, which no step makes small.
+    if (o.tolerance) {
+      throw Error(ErrorKind::input, fmt::format("{}: space.quadrature_order: the error estimate of dcs would measure the difference between orders {} and {} "
+                                                "in space, which no step makes small; use a fixed method.step, or the same order for both",
+                                                c.file, c.space.order, order));
+    }
+    quadrature_diffusion_ = std::make_unique<DiffusionOperator>(problem.grid, problem.boundary, diffusion_coefficients(c), order);
+    quadrature_rhs_ = std::make_unique<CoupledRhs>(problem.decomposition, *quadrature_diffusion_, *problem.model);
+    rhs = quadrature_rhs_.get();
+  }
   make_flows(c, problem, o.tolerance.value_or(0.0));
   DeferredCorrectionOptions d;
   d.tolerance = o.tolerance.value_or(0.0);
@@ -124,7 +139,7 @@ void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
   d.safety = o.safety;
   d.predict = o.predict;
   d.initial_step = o.initial_step;
-  method_ = std::make_unique<DeferredCorrection>(problem.state, problem.rhs, *reaction_, *diffusion_, std::move(d));
+  method_ = std::make_unique<DeferredCorrection>(problem.state, *rhs, *reaction_, *diffusion_, std::move(d));
 }
 
 void MethodStack::make(const Case& c, const SdcOptions&, Problem&) {

@@ -30,6 +30,9 @@ Grid make_grid(const Case& c) {
   return g;
 }
 
+/// Of the widest stencil used.
+int halo_width(const Case& c) { return std::max(c.space.order, c.space.quadrature_order.value_or(c.space.order)) / 2; }
+
 std::array<int, 2> processes(const Case& c) {
   std::array<int, 2> p{1, 1};
   for (std::size_t d = 0; d < c.grid.processes.size(); ++d) p[d] = static_cast<int>(c.grid.processes[d]);
@@ -86,15 +89,6 @@ std::unique_ptr<ModelKernels> make_model(const Case& c, const ModelRegistry& mod
   }
 }
 
-std::vector<double> diffusion_coefficients(const Case& c) {
-  const std::map<std::string, double> known = parameters(c);
-  std::vector<double> d;
-  for (const auto& [species, value] : c.model.diffusion) {
-    d.push_back(at_key(c, "model.diffusion." + species, [&] { return constant_expression(value, known); }));
-  }
-  return d;
-}
-
 /// @return a sentence for the log, or nothing.
 std::string initialise(const Case& c, const ModelKernels& model, Field& u) {
   if (!c.initial.profile.empty()) {
@@ -113,16 +107,25 @@ std::string initialise(const Case& c, const ModelKernels& model, Field& u) {
 
 }  // namespace
 
+std::vector<double> diffusion_coefficients(const Case& c) {
+  const std::map<std::string, double> known = parameters(c);
+  std::vector<double> d;
+  for (const auto& [species, value] : c.model.diffusion) {
+    d.push_back(at_key(c, "model.diffusion." + species, [&, &v = value] { return constant_expression(v, known); }));
+  }
+  return d;
+}
+
 Problem::Problem(const Case& c, const ModelRegistry& models, const Communicator& comm_in)
     : options(c),
       comm(comm_in),
       grid(make_grid(c)),
-      decomposition(comm, grid, processes(c), c.space.order / 2),
+      decomposition(comm, grid, processes(c), halo_width(c)),
       boundary(make_boundary(c)),
       model(make_model(c, models)),
       diffusion(grid, boundary, diffusion_coefficients(c), c.space.order),
       rhs(decomposition, diffusion, *model),
-      state(decomposition, model->n_species(), c.space.order / 2) {
+      state(decomposition, model->n_species(), halo_width(c)) {
   note_ = initialise(c, *model, state);
   boundary.impose(state, c.time.start);
 

@@ -40,6 +40,8 @@ class MethodStack {
   std::unique_ptr<ReactionFlow> reaction_;
   std::unique_ptr<Flow> rock4_;
   std::unique_ptr<Flow> diffusion_;
+  std::unique_ptr<DiffusionOperator> quadrature_diffusion_;  // dcs with a higher order in its quadrature
+  std::unique_ptr<CoupledRhs> quadrature_rhs_;
   std::unique_ptr<Method> method_;
   std::string choice_;
 };

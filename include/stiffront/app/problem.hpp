@@ -13,6 +13,9 @@
 
 namespace stiffront::app {
 
+/// The diffusion coefficients of a case, one per species. @throws Error(input) for an expression that cannot be evaluated
+std::vector<double> diffusion_coefficients(const Case& c);
+
 /// The semi-discrete problem of a case: grid, boundary, model, operators and the initial state, built and ready.
 ///
 /// Its parts refer to each other, so it stays where it is made.
