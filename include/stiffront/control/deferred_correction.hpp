@@ -70,6 +70,7 @@ class DeferredCorrection final : public Method {
   void correct(double t, double dt, const Field& u, Attempt& a);
   void quadrature_to_end(double dt, const Field& u, Field& result) const;
   void split(double t, double dt, Field& from, Field& to, Attempt& a);
+  [[noreturn]] void refuse_step(double t, double dt, double rate) const;
   Attempt fixed(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags);
   Attempt adaptive(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags);
   int allowed_iterations(double dt) const;
