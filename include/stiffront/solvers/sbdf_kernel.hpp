@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <algorithm>
+#include <type_traits>
+#include <utility>
 
 #include "stiffront/core/sparse_dual.hpp"
 #include "stiffront/mesh/boundary.hpp"
@@ -108,22 +110,26 @@ class SbdfKernelOf final : public SbdfKernel {
     for (int s = 0; s < m; ++s) std::copy_n(out[s], n, target[s]);
   }
 
-  /// Rates with their Jacobian. A model that knows its derivatives itself is asked for them.
-  STIFFRONT_ALWAYS_INLINE static void evaluate(const M& model, const Pack* u, SparseDual<Pack, m>* rate, const Place<Pack>& place) {
-    if constexpr (requires(Pack* value, Pack(*jacobian)[m]) { model.rates_and_jacobian(u, value, jacobian, place); }) {
-      Pack value[m];
-      Pack jacobian[m][m];
-      model.rates_and_jacobian(u, value, jacobian, place);
-      for (int s = 0; s < m; ++s) {
-        rate[s].value = value[s];
-        for (int q = 0; q < m; ++q) rate[s].derivative[q] = Sparse<Pack>(jacobian[s][q]);
-      }
-    } else {
-      SparseDual<Pack, m> variables[m];
-      unroll<m>([&](auto s) __attribute__((always_inline)) { variables[s] = SparseDual<Pack, m>::variable(u[s], s); });
-      model.rates(variables, rate, place);
-    }
-  }
+  /// Rates and Jacobian at a pack of states, by sparse duals.
+  struct DualRates {
+    SparseDual<Pack, m> of[m];
+
+    STIFFRONT_ALWAYS_INLINE Pack rate(int s) const { return of[s].value; }
+    STIFFRONT_ALWAYS_INLINE Sparse<Pack> jacobian(int s, int q) const { return of[s].derivative[q]; }
+  };
+  /// The same from models that know their derivatives.
+  struct OwnRates {
+    Pack rates[m];
+    Pack dense[m][m];
+
+    Pack rate(int s) const { return rates[s]; }
+    Sparse<Pack> jacobian(int s, int q) const { return dense[s][q]; }
+  };
+  static constexpr bool knows_derivatives =
+      requires(const M& model, const Pack* u, Pack* du, Pack (*jacobian)[m], const Place<Pack>& place) {
+    model.rates_and_jacobian(u, du, jacobian, place);
+  };
+  using Rates = std::conditional_t<knows_derivatives, OwnRates, DualRates>;
 
   /// n >= pack_size cells. The last pack overlaps the one before: its common cells are computed twice, with the same
   /// bits.
@@ -157,9 +163,17 @@ class SbdfKernelOf final : public SbdfKernel {
     for (int begin = 0; begin < n; begin += pack_size) {
       const int i = std::min(begin, n - pack_size);
       Pack centre[m];
-      SparseDual<Pack, m> rate[m];
+      Rates reaction;
       unroll<m>([&](auto s) __attribute__((always_inline)) { centre[s] = Pack::load(v[s] + i); });
-      evaluate(model, centre, rate, Place<Pack>{time, lower + (Pack(first + i) + lane) * spacing, y});
+      const Place<Pack> place{time, lower + (Pack(first + i) + lane) * spacing, y};
+      // Called from here, since flatten reaches calls of this function only.
+      if constexpr (knows_derivatives) {
+        model.rates_and_jacobian(centre, reaction.rates, reaction.dense, place);
+      } else {
+        SparseDual<Pack, m> u[m];
+        unroll<m>([&](auto s) __attribute__((always_inline)) { u[s] = SparseDual<Pack, m>::variable(centre[s], s); });
+        model.rates(u, reaction.of, place);
+      }
       Sparse<Pack> a[m][m];
       Sparse<Pack> b[m];
       unroll<m>([&](auto s) __attribute__((always_inline)) {
@@ -169,11 +183,12 @@ class SbdfKernelOf final : public SbdfKernel {
         if constexpr (Dimension == 2) {
           difference = mul_add(anisotropy, second_difference<Order>(v[s] + i, stride, centre[s]), difference);
         }
-        const Pack change = mul_add(Pack(k[s]), difference, rate[s].value);
+        const Pack change = mul_add(Pack(k[s]), difference, reaction.rate(s));
         b[s] = mul_add(gamma, change, Pack::load(r[s] + i) - centre[s]);
         unroll<m>([&](auto q) __attribute__((always_inline)) {
-          a[s][q] = s == q ? mul_add(rate[s].derivative[q], Sparse<Pack>(minus_gamma), Sparse<Pack>(Pack(diagonal[s])))
-                           : rate[s].derivative[q] * Sparse<Pack>(minus_gamma);
+          a[s][q] = s == q
+                        ? mul_add(reaction.jacobian(s, q), Sparse<Pack>(minus_gamma), Sparse<Pack>(Pack(diagonal[s])))
+                        : reaction.jacobian(s, q) * Sparse<Pack>(minus_gamma);
         });
       });
       sparse_cell_solve(a, b);
