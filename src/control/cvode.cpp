@@ -109,6 +109,9 @@ class Cvode::Solver {
     flags = agreement.flags;
     // CVODE has tried smaller steps before it gives up: nothing is left to be retried.
     if (status < 0) throw Error(ErrorKind::numerics, fmt::format("CVODE failed at t = {:.17g}: {}", reached, message_));
+    if ((flags & step_flags::not_finite) != 0) {
+      throw Error(ErrorKind::numerics, fmt::format("the state of CVODE is not finite at t = {:.17g}; check the model and its initial state", reached));
+    }
     a.accepted = true;
     a.dt_taken = reached >= t + dt ? dt : reached - t;
     // All the way to the end: the time asked for is where CVODE must stop, not the step it should take.
