@@ -132,6 +132,12 @@ Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffus
       throw Error(ErrorKind::input, fmt::format("diffusion_solver.tolerance: expected a positive number, got {}", x));
   };
   demand_positive(tolerances_.relative);
+  if (tolerances_.relative < 1e-14) {
+    throw Error(ErrorKind::input,
+                fmt::format("diffusion_solver.tolerance: {} is below what double precision can meet; the least "
+                            "is 1e-14",
+                            tolerances_.relative));
+  }
   if (tolerances_.absolute.size() != static_cast<std::size_t>(diffusion.n_species()))
     throw Error(ErrorKind::bug, "ROCK4 needs one absolute tolerance per species");
   std::for_each(tolerances_.absolute.begin(), tolerances_.absolute.end(), demand_positive);
@@ -366,7 +372,7 @@ std::optional<CellFailure> Rock4::advance(double t, double dt, std::span<const T
   prepare(states, t);
 
   const double limit = largest_step();
-  double planned = std::min(first_step_ > 0.0 ? first_step_ : rock4_interval(rock4_min_stages) / rho_, limit);
+  double planned = first_step_ > 0.0 ? first_step_ : rock4_interval(rock4_min_stages) / rho_;
   double elapsed = 0.0;
   double last_h = 0.0;  // of the last accepted step; 0: there is none yet
   double last_error = 0.0;
@@ -394,10 +400,10 @@ std::optional<CellFailure> Rock4::advance(double t, double dt, std::span<const T
     const bool first = last_h == 0.0;
     if (!first && !just_rejected)
       factor = std::min(factor, factor * (h / last_h) * std::sqrt(std::sqrt(last_error / bounded)));
-    const double growth = just_rejected ? 1.0 : (first ? 5.0 : 2.0);
+    const double growth = first ? 5.0 : 2.0;
     // A step shortened to meet the end says nothing against the longer one planned.
     const double ceiling = just_rejected ? h : std::max(growth * h, planned);
-    planned = std::min({std::max(0.1, factor) * h, ceiling, limit});
+    planned = std::min(std::max(0.1, factor) * h, ceiling);
     // The next call begins with data of the kind this one began with, often less smooth than those it ended with.
     if (first) first_step_ = planned;
     last_h = h;

@@ -229,6 +229,31 @@ TEST(Rock4Test, HasOrderFourWithDirichletValuesThatDependOnTime) {
   }
 }
 
+TEST(Rock4Test, StagesTakeDirichletValuesAtTheirOwnTimes) {
+  // x^2 + 2 D t is reproduced by every stage, at its own time, by differences of any order.
+  constexpr double D = 0.1;
+  const auto value = [](double t, double x, double) { return x * x + 2.0 * D * t; };
+  for (int order : {2, 4}) {
+    DiffusionProblem p(self(), unit_grid(41, 1),
+                       {both_sides(BoundaryKind::dirichlet, 1, value, true), both_sides(BoundaryKind::neumann, 1)}, {D},
+                       order);
+    const double rho = p.diffusion.spectral_radius();
+    for (double h_rho : {4.0, 8.0, 30.0, 100.0}) {
+      Rock4 flow(p.decomposition, p.diffusion, no_control());
+      Field u = p.field([&](int, double x, double) { return value(0.5, x, 0.0); });
+      whole_step(flow, 0.5, h_rho / rho, u, u);
+      const Field exact = p.field([&](int, double x, double) { return value(0.5 + h_rho / rho, x, 0.0); });
+      EXPECT_LT(distance(u, exact), 1e-9) << h_rho;
+    }
+    // Several steps in one call.
+    Rock4 flow(p.decomposition, p.diffusion, {1e-8, {1e9}});
+    const double dt = 3.4 * flow.largest_step();
+    Field u = p.field([&](int, double x, double) { return value(0.5, x, 0.0); });
+    EXPECT_EQ(whole_step(flow, 0.5, dt, u, u).diffusion_steps, 4);
+    EXPECT_LT(distance(u, p.field([&](int, double x, double) { return value(0.5 + dt, x, 0.0); })), 1e-7);
+  }
+}
+
 TEST(Rock4Test, TakesDirichletValuesAtTheStartFromTheBoundaryNotFromTheField) {
   const auto value = [](double t, double, double) { return std::cos(3.0 * t); };
   DiffusionProblem p(self(), unit_grid(13, 1),
@@ -337,6 +362,9 @@ TEST(Rock4Test, RespectsTheLargestUsefulDegree) {
   EXPECT_EQ(work.diffusion_steps, 11);
   EXPECT_LE(work.diffusion_stages, 11 * rock4_max_stages(1e-8));
   EXPECT_GE(work.diffusion_stages, 11 * (rock4_max_stages(1e-8) - 2));
+  // The end of the interval is no reason to exceed it either.
+  EXPECT_EQ(whole_step(flow, 0.0, 1.005 * flow.largest_step(), u, u).diffusion_steps, 2);
+  EXPECT_EQ(whole_step(flow, 0.0, flow.largest_step(), u, u).diffusion_steps, 1);
 }
 
 TEST(Rock4Test, OneStepCostsOneHaloExchangePerStageAndOneReduction) {
@@ -477,6 +505,7 @@ TEST(Rock4Test, RefusesMeaninglessArguments) {
     EXPECT_THROW(Rock4(p.decomposition, p.diffusion, Rock4Tolerances{bad, {1e-5}}), Error);
     EXPECT_THROW(Rock4(p.decomposition, p.diffusion, Rock4Tolerances{1e-5, {bad}}), Error);
   }
+  EXPECT_THROW(Rock4(p.decomposition, p.diffusion, Rock4Tolerances{1e-15, {1e-5}}), Error);
   EXPECT_THROW(Rock4(p.decomposition, p.diffusion, Rock4Tolerances{1e-5, {1e-5, 1e-5}}), Error);
   Rock4 flow(p.decomposition, p.diffusion, tolerances(1e-5));
   Field u = p.field();

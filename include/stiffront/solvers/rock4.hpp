@@ -39,7 +39,7 @@ struct Rock4Tolerances {
 class Rock4 final : public Flow {
  public:
   /// @pre decomposition and diffusion outlive the flow.
-  /// @throws Error(input) for tolerances that are not positive numbers
+  /// @throws Error(input) for tolerances that are not positive numbers or a relative one below 1e-14
   Rock4(const Decomposition& decomposition, const DiffusionOperator& diffusion, Rock4Tolerances tolerances);
 
   using Flow::advance;
