@@ -19,6 +19,10 @@ namespace {
 // Below this, in the relative norm, differences of iterates are round-off: the iteration has converged as far as it can.
 constexpr double round_off_floor = 2e-14;
 
+// After a rejection the number of iterations is not raised for so many steps: where one more almost pays, trying it in every step would
+// be rejected in every second.
+constexpr int steps_held_after_rejection = 20;
+
 }  // namespace
 
 double DeferredCorrection::stability_limit(int k) {
@@ -146,6 +150,49 @@ int DeferredCorrection::allowed_iterations(double dt) const {
   return k;
 }
 
+/// The step after k corrections, before the safety factor: (47), (44), (46), or the best value for its cost.
+double DeferredCorrection::proposed_step(int k, double dt, double error, double contraction, double zeta, double residual) const {
+  const double eta = options_.tolerance;
+  const double p = order_;
+  const double e = std::max(error, round_off_floor);
+  if (k == 0) return dt * std::pow(eta / e, 1.0 / (p + 1.0));
+  const double convergent = residual >= round_off_floor ? 1.0 / zeta : std::numeric_limits<double>::infinity();
+  const double bracket = eta / ((1.0 - contraction) * e + contraction * eta);
+  const double all = options_.max_iterations;
+  if (options_.exponent == DeferredCorrectionOptions::Exponent::published || options_.step_rule != DeferredCorrectionOptions::StepRule::k) {
+    const bool published = options_.exponent == DeferredCorrectionOptions::Exponent::published;
+    const double by_k = dt * std::pow(bracket, 1.0 / (published ? k : k + p + 1.0));
+    const double by_kmax = std::pow(bracket, 1.0 / (published ? all : all + p + 1.0)) * std::pow(zeta * dt, -(all - k) / all) * dt;
+    switch (options_.step_rule) {
+      case DeferredCorrectionOptions::StepRule::k: return std::min(by_k, convergent);
+      case DeferredCorrectionOptions::StepRule::kmax: return std::min(by_kmax, convergent);
+      case DeferredCorrectionOptions::StepRule::min: return std::min({by_k, by_kmax, convergent});
+    }
+  }
+  // The powers the errors really have: err_j ~ dt^(j + p + 1), and a further correction multiplies by zeta dt. Of one iteration
+  // less, as many, and one more, the number that goes farthest for its splitting steps.
+  double best = 0.0;
+  double best_value = -1.0;
+  const int most = hold_ > 0 ? k : std::min(k + 1, options_.max_iterations);
+  for (int j = std::max(1, k - 1); j <= most; ++j) {
+    double step = 0.0;
+    if (j == k) {
+      step = dt * std::pow(bracket, 1.0 / (k + p + 1.0));
+    } else if (j < k) {
+      step = dt * std::pow(eta / std::max(error_estimates_[static_cast<std::size_t>(j)], round_off_floor), 1.0 / (j + p + 1.0));
+    } else {
+      step = dt * std::pow(eta / std::max(e * zeta * dt, round_off_floor), 1.0 / (j + p + 1.0));
+    }
+    step = std::min({step, convergent, stability_limit(j) / rate_});
+    const double splitting_steps = nodes_.size() + j * (nodes_.size() - 1);
+    if (step / splitting_steps > best_value) {
+      best_value = step / splitting_steps;
+      best = step;
+    }
+  }
+  return best;
+}
+
 Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
   Attempt a;
   const double eta = options_.tolerance;
@@ -198,26 +245,10 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
     a.error = error;
     error_estimates_.push_back(error);
 
-    // The step for which this iteration count would just meet the tolerance: (47), (44), (46).
-    const double p = order_;
-    if (k == 0) {
-      dt_new = dt * std::pow(eta / std::max(error, round_off_floor), 1.0 / (p + 1.0));
-    } else {
-      const bool published = options_.exponent == DeferredCorrectionOptions::Exponent::published;
-      const double bracket = eta / ((1.0 - contraction) * std::max(error, round_off_floor) + contraction * eta);
-      const double by_k = dt * std::pow(bracket, 1.0 / (published ? k : k + p + 1.0));
-      const double all = options_.max_iterations;
-      const double by_kmax = std::pow(bracket, 1.0 / (published ? all : all + p + 1.0)) * std::pow(zeta * dt, -(all - k) / all) * dt;
-      switch (options_.step_rule) {
-        case DeferredCorrectionOptions::StepRule::k: dt_new = by_k; break;
-        case DeferredCorrectionOptions::StepRule::kmax: dt_new = by_kmax; break;
-        case DeferredCorrectionOptions::StepRule::min: dt_new = std::min(by_k, by_kmax); break;
-      }
-      if (residual >= round_off_floor) dt_new = std::min(dt_new, 1.0 / zeta);
-    }
-    dt_new *= options_.safety;
+    dt_new = options_.safety * proposed_step(k, dt, error, contraction, zeta, residual);
 
-    if (error <= eta) {
+    // Without a correction nothing is known of the next one, and the step would stay that of the splitting alone.
+    if (error <= eta && k >= 1) {
       a.accepted = true;
       break;
     }
@@ -236,12 +267,12 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
     correct(t, dt, u, a);
   }
 
-  // Outside the stable region no larger step may be tried with the iterations just used.
-  const double stable = 0.9 * stability_limit(std::max(a.iterations, 1)) / rate_;
-  a.dt_next = std::min({dt_new, options_.max_growth * dt, std::max(stable, 0.1 * dt)});
+  a.dt_next = std::min(dt_new, options_.max_growth * dt);
   if (a.accepted) {
     swap(u_new, v_.back());
+    if (hold_ > 0) --hold_;
   } else {
+    hold_ = steps_held_after_rejection;
     a.dt_next = std::clamp(a.dt_next, 0.05 * dt, 0.9 * dt);
   }
   return a;
@@ -250,6 +281,7 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
 void DeferredCorrection::visit_state(StateVisitor& visitor) {
   visit_flows(visitor, *reaction_, *flows_.diffusion);
   visitor.number("rate", rate_);
+  visitor.integer("hold", hold_);
 }
 
 }  // namespace stiffront

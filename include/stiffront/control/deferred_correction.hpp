@@ -20,7 +20,7 @@ struct DeferredCorrectionOptions {
     min,   ///< the smaller of the two
   };
   enum class Exponent {
-    observed,   ///< 1/(k + p + 1), the power of the step the error has
+    observed,   ///< 1/(k + p + 1), the power of the step the error has; with the rule k also the best k for its cost
     published,  ///< 1/k as in (44), 1/kmax as in (46): oscillates, see docs/dcs.md
   };
 
@@ -74,6 +74,7 @@ class DeferredCorrection final : public Method {
   Attempt fixed(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags);
   Attempt adaptive(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags);
   int allowed_iterations(double dt) const;
+  double proposed_step(int k, double dt, double error, double contraction, double zeta, double residual) const;
 
   const Communicator* comm_;
   CoupledRhs* rhs_;
@@ -90,6 +91,7 @@ class DeferredCorrection final : public Method {
   std::vector<Field> s_;       // s_[i]: splitting result from stage i - 1 to stage i
   std::optional<Field> predicted_;  // last stage of the prediction, for the estimate
   double rate_ = 0.0;          // bound on |lambda| of diffusion and reaction, renewed with every accepted step
+  int hold_ = 0;               // accepted steps in which the number of iterations is not raised
   std::vector<double> error_estimates_;
   std::vector<double> step_limits_;
 };

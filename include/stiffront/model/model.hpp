@@ -93,7 +93,7 @@ struct ModelDescription {
   std::vector<NamedNumber> parameters;  ///< with their defaults
   std::vector<double> diffusion;        ///< default coefficients, one per species
   std::vector<NamedProfile> profiles;
-  std::vector<ConservedSum> conserved;  ///< what the reactions leave constant, as far as it is known (reaction networks)
+  std::vector<ConservedSum> conserved{};  ///< what the reactions leave constant, as far as it is known (reaction networks)
 
   int n_species() const { return static_cast<int>(species.size()); }
 };

@@ -14,8 +14,8 @@ class ReactionTerm {
   virtual void add_rates(double t, const Field& u, Field& du, const FreeBox& box) const = 0;
   /// product += J(t, x, y, u) direction at the points of the box, J the Jacobian of the rates.
   virtual void add_jacobian_product(double t, const Field& u, const Field& direction, Field& product, const FreeBox& box) const = 0;
-  /// A bound on the modulus of the reaction Jacobian's eigenvalues over the box: the largest absolute row sum or column sum,
-  /// whichever is smaller, cell by cell; infinity if an entry is not finite.
+  /// A bound on the modulus of the reaction Jacobian's eigenvalues over the box, some ten per cent above the largest modulus for
+  /// kinetics as they are; infinity if something is not finite. This rank only.
   virtual double jacobian_bound(double t, const Field& u, const FreeBox& box) const = 0;
   /// One cell in plain doubles.
   virtual void rates_at(double t, double x, double y, const double* u, double* du) const = 0;

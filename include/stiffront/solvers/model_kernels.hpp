@@ -13,6 +13,7 @@
 #include "stiffront/model/reaction_term.hpp"
 #include "stiffront/solvers/radau5.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
+#include "stiffront/solvers/spectral_bound.hpp"
 #include "stiffront/space/laplacian.hpp"
 
 namespace stiffront {
@@ -126,23 +127,9 @@ class ModelKernelsOf final : public ModelKernels {
         Pack jacobian[m][m];
         for (int s = 0; s < m; ++s) v[s] = Pack::load_partial(u.row(s, j) + i, n);
         rates_and_jacobian(model_, v, dv, jacobian, place_of_pack(d, t, i, j, n));
-        Pack row(0.0);
-        Pack column(0.0);
-        Pack sum(0.0);
-        for (int a = 0; a < m; ++a) {
-          Pack along_row(0.0);
-          Pack along_column(0.0);
-          for (int b = 0; b < m; ++b) {
-            along_row += abs(jacobian[a][b]);
-            along_column += abs(jacobian[b][a]);
-          }
-          sum += along_row;
-          row = max(row, along_row);
-          column = max(column, along_column);
-        }
-        // A maximum forgets a NaN it has met: the sum of all moduli does not.
-        finite &= is_finite(sum);
-        largest = max(largest, min(row, column));
+        const Pack bound = spectral_bound<m>(jacobian);
+        finite &= is_finite(bound);
+        largest = max(largest, bound);
       });
     }
     return all(finite) ? max_lane(largest) : std::numeric_limits<double>::infinity();
