@@ -16,7 +16,7 @@ cmake --build --preset release --target stiffront_program
 
 out=out/quickstart
 say "a Belousov-Zhabotinsky wave on two ranks: drivers/cases/bz-1d.toml -> $out"
-mpirun -n 2 build/release/stiffront run drivers/cases/bz-1d.toml -o "$out" --force --progress always
+mpirun -n 2 build/release/stiffront run drivers/cases/bz-1d.toml -o "$out" --force
 
 say "drawing"
 if build/release/stiffront plot "$out" -o "$out/plot.png" >/dev/null; then

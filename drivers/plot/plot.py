@@ -209,7 +209,8 @@ def draw_attempts(axes, history, column, label):
         axes.set_yscale("log")
     good, bad = drawn & accepted, drawn & ~accepted
     if good.any():
-        axes.plot(time[good], values[good], color=ACCEPTED, marker=".", markersize=4, linewidth=0.8, label="accepted")
+        axes.plot(time[good], values[good], color=ACCEPTED, marker="." if good.sum() < 300 else None, markersize=4,
+                  linewidth=0.8, label="accepted")
     if bad.any():
         axes.plot(time[bad], values[bad], color=REJECTED, marker="x", markersize=5, linestyle="none", label="rejected")
     axes.set_xlabel("t")
