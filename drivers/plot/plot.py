@@ -232,7 +232,7 @@ def draw_step_sizes(axes, history):
         axes.legend(fontsize="small")
         if np.ptp(np.log10(history["dt"][drawn & (history["dt"] > 0)])) < 0.3:  # a fixed step: decades would mislead
             axes.set_yscale("linear")
-            axes.set_ylim(bottom=0)
+            axes.set_ylim(0, 1.3 * np.max(history["dt"][drawn]))
 
 
 def draw_errors(axes, history, tolerance):
