@@ -167,7 +167,7 @@ TEST(ConservedSumsTest, RefusesWhatDoesNotFitExactArithmetic) {
   std::vector<std::string> names;
   std::vector<std::vector<Rational>> changes;
   std::mt19937_64 engine(1);
-  for (int s = 0; s < 8; ++s) names.push_back("s" + std::to_string(s));
+  for (int s = 0; s < 8; ++s) names.push_back(std::string(1, static_cast<char>('a' + s)));
   for (int r = 0; r < 7; ++r) {
     changes.emplace_back();
     for (int s = 0; s < 8; ++s) changes.back().push_back({static_cast<std::int64_t>(engine() % 1000000000), static_cast<std::int64_t>(engine() % 1000 + 1)});
