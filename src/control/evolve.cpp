@@ -25,8 +25,9 @@ Target next_target(const Schedule& s, double t) {
   const double tiny = 4.0 * std::numeric_limits<double>::epsilon() * std::max({std::abs(t), std::abs(s.end), s.end - s.start});
   Target target{s.end, false, false};
   const auto consider = [&](double time, bool restarts, bool resets) {
-    if (time <= t + tiny || time > target.t) return;
-    if (time == target.t) {
+    if (time <= t + tiny || time > target.t + tiny) return;
+    // Times that differ by round-off are one time: 3 * 1e-6 is not 3e-6, and what happens at the second must not be lost.
+    if (std::abs(time - target.t) <= tiny) {
       target.restarts |= restarts;
       target.resets_step |= resets;
     } else {

@@ -94,6 +94,15 @@ TEST_F(EvolveTest, ResetsTheTrialStepEveryPeriod) {
   EXPECT_EQ(after->dt, 0.01);
 }
 
+TEST_F(EvolveTest, ARestartIsNotLostToAnOutputTimeThatDiffersByRoundOff) {
+  schedule_.restart_period = 0.1;
+  schedule_.restart_step = 0.01;
+  schedule_.landing_times = {0.3, 0.6, 0.7};  // 3 * 0.1, 6 * 0.1 and 7 * 0.1 are larger by one unit in the last place
+  method_.step = 0.04;
+  EXPECT_TRUE(run());
+  EXPECT_EQ(method_.restarts.size(), 10U);  // one of them at the end
+}
+
 TEST_F(EvolveTest, TakesUpThePlannedStepAgainAfterLandingOnAnOutputTime) {
   schedule_.landing_times = {0.05};
   method_.decide = [](double, double dt, Attempt& a) { a.dt_next = 1.2 * dt; };
