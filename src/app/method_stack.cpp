@@ -56,7 +56,7 @@ std::vector<double> per_species(const Tolerance& tolerance, const Problem& probl
 
 }  // namespace
 
-void MethodStack::make_flows(const Case& c, Problem& problem, double method_tolerance) {
+double MethodStack::make_flows(const Case& c, Problem& problem, double method_tolerance) {
   // Inner solvers must be finer than the splitting error they are there to reveal.
   const double finest = method_tolerance > 0.0 ? 0.01 * method_tolerance : 1.0;
   const double reaction_tolerance = std::min(c.reaction_solver.tolerance, finest);
@@ -72,6 +72,7 @@ void MethodStack::make_flows(const Case& c, Problem& problem, double method_tole
   rock4_ = std::make_unique<Rock4>(problem.decomposition, problem.diffusion,
                                    Rock4Tolerances{diffusion_tolerance, inner_absolute(diffusion_tolerance, problem)});
   diffusion_ = std::make_unique<TimedFlow>(*rock4_, diffusion_seconds_);
+  return std::max(reaction_tolerance, diffusion_tolerance);
 }
 
 MethodStack::MethodStack(const Case& c, Problem& problem) {
@@ -92,8 +93,8 @@ void MethodStack::make(const Case& c, const StrangOptions& o, Problem& problem) 
 }
 
 void MethodStack::make(const Case& c, const AdaptiveStrangOptions& o, Problem& problem) {
-  make_flows(c, problem, o.tolerance);
   stiffront::AdaptiveStrangOptions a;
+  a.inner_tolerance = make_flows(c, problem, o.tolerance);
   a.tolerance = o.tolerance;
   a.initial_step = o.initial_step;
   a.epsilon = o.epsilon;
@@ -105,6 +106,7 @@ void MethodStack::make(const Case& c, const AdaptiveStrangOptions& o, Problem& p
   a.beta = o.beta;
   a.gamma = o.gamma;
   a.theta = o.theta;
+  a.max_growth = o.max_growth;
   a.order = order_of(o.order);
   a.species = species_indices(o.species, problem);
   method_ = std::make_unique<AdaptiveStrang>(problem.state, problem.boundary, *problem.model, *reaction_, *diffusion_, std::move(a));

@@ -18,7 +18,7 @@ static_assert(a2 == c1 && b1 + c1 == a1);
 
 constexpr double cube(double x) { return x * x * x; }
 
-// Below this the difference of two states is round-off, whose quotient by dt^3 means nothing.
+// Below this the difference of two states is round-off.
 constexpr double round_off_floor = 1e-13;
 
 }  // namespace
@@ -79,17 +79,25 @@ void AdaptiveStrang::strang_and_embedded(double t, double dt, Field& u, Field& v
 ///
 /// K is the Strang error over the whole step from eq. (5.10), which allows for a lost order by an unknown omega; where the two
 /// equations contradict each other it is the step-doubling estimate E1 / (1 - 1/4) instead.
+///
+/// Differences that the inner solvers may have made tell nothing about the constants: divided by dt^3 they would give a C_0 that
+/// grows as the step shrinks, a smaller critical step, a smaller step, and so on. They do tell that the Strang error is far below
+/// the tolerance, so that the critical step is no reason yet not to grow. The next estimate is due when the step has doubled.
 void AdaptiveStrang::update_critical_step(double dt, double error_whole, double error_half, double& error) {
-  const double doubled = error_whole / (a1 * a1 * a1 - cube(b1) - cube(c1));
-  if (error_whole > round_off_floor && error > round_off_floor) {
-    const double alpha1 = cube(a1) - cube(b1), gamma1 = cube(c1);
-    const double alpha2 = cube(a2) - cube(b2), gamma2 = cube(c2);
-    double strang_error = (gamma1 * error_half - gamma2 * error_whole) / (alpha2 * gamma1 - alpha1 * gamma2);
-    if (!(strang_error >= 0.2 * doubled && strang_error <= 5.0 * doubled)) strang_error = doubled;
-    c0_ = strang_error / cube(dt);
-    c_epsilon_ = error / (epsilon_ * dt * dt);
+  const double floor = std::max(round_off_floor, options_.inner_tolerance);
+  if (!(error_whole > floor && error > floor)) {
+    refused_dt_ = dt;
+    critical_dt_ = std::max(critical_dt_, options_.max_growth * dt);
+    return;
   }
-  if (c0_ == 0.0) return;
+  refused_dt_ = 0.0;
+  const double doubled = error_whole / (cube(a1) - cube(b1) - cube(c1));
+  const double alpha1 = cube(a1) - cube(b1), gamma1 = cube(c1);
+  const double alpha2 = cube(a2) - cube(b2), gamma2 = cube(c2);
+  double strang_error = (gamma1 * error_half - gamma2 * error_whole) / (alpha2 * gamma1 - alpha1 * gamma2);
+  if (!(strang_error >= 0.2 * doubled && strang_error <= 5.0 * doubled)) strang_error = doubled;
+  c0_ = strang_error / cube(dt);
+  c_epsilon_ = error / (epsilon_ * dt * dt);
   critical_dt_ = options_.critical_safety * epsilon_ * c_epsilon_ / c0_;
   if (accepted_ > 0 && (dt < options_.beta * critical_dt_ || dt > options_.gamma * critical_dt_)) {
     const double epsilon = std::min(options_.theta * c0_ * dt / c_epsilon_, options_.epsilon_max);
@@ -101,8 +109,8 @@ void AdaptiveStrang::update_critical_step(double dt, double error_whole, double 
 
 Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
   Attempt a;
-  const bool estimates = options_.critical_step &&
-                         (estimate_asked_ || (accepted_ % options_.period == 0 && estimated_at_ != accepted_));
+  const bool due = (accepted_ % options_.period == 0 && estimated_at_ != accepted_) || (refused_dt_ > 0.0 && dt >= 2.0 * refused_dt_);
+  const bool estimates = options_.critical_step && (estimate_asked_ || due);
   Agreement agreement = norm_.agreement(estimates ? 3 : 1);
 
   // Step 1.
@@ -163,6 +171,7 @@ void AdaptiveStrang::restart(double) {
   accepted_ = 0;
   estimated_at_ = -1;
   estimate_asked_ = false;
+  refused_dt_ = 0.0;
 }
 
 void AdaptiveStrang::visit_state(StateVisitor& visitor) {
@@ -174,6 +183,7 @@ void AdaptiveStrang::visit_state(StateVisitor& visitor) {
   visitor.integer("accepted", accepted_);
   visitor.integer("estimated_at", estimated_at_);
   visitor.integer("estimate_asked", estimate_asked_);
+  visitor.number("refused_dt", refused_dt_);
 }
 
 }  // namespace stiffront

@@ -26,7 +26,8 @@ class MethodStack {
   const std::string& choice() const { return choice_; }
 
  private:
-  void make_flows(const Case& c, Problem& problem, double method_tolerance);
+  /// @return the relative tolerance the flows are integrated with
+  double make_flows(const Case& c, Problem& problem, double method_tolerance);
   void make(const Case& c, const LieOptions& o, Problem& problem);
   void make(const Case& c, const StrangOptions& o, Problem& problem);
   void make(const Case& c, const AdaptiveStrangOptions& o, Problem& problem);

@@ -26,6 +26,7 @@ struct AdaptiveStrangOptions {
   double gamma = 0.95;
   double theta = 10.0;             ///< aims at dt* = zeta theta dt when epsilon is chosen anew
   double max_growth = 5.0;         ///< of the step from one attempt to the next; the paper has no limit
+  double inner_tolerance = 0.0;    ///< relative, of the two flows: smaller differences of states are not taken for splitting errors
   SplittingOrder order = SplittingOrder::reaction_last;
   std::vector<int> species;        ///< those that enter the error; empty: all
 };
@@ -34,7 +35,7 @@ struct AdaptiveStrangOptions {
 /// difference of the two overestimates the splitting error, and of epsilon.
 ///
 /// One attempt costs 1.5 dt of the last flow and two states of the middle flow advanced together; estimating the critical step
-/// adds four Strang steps over 2 dt in all, once every `period` accepted steps or when the strategy asks for it.
+/// adds four Strang steps over 1.5 dt in all, once every `period` accepted steps or when the strategy asks for it.
 /// @see Descombes, Duarte, Dumont, Louvet & Massot, Confluentes Math. 3(3), 2011, section 5.3; docs/adaptive-strang.md
 class AdaptiveStrang final : public Method {
  public:
@@ -79,6 +80,7 @@ class AdaptiveStrang final : public Method {
   int accepted_ = 0;
   int estimated_at_ = -1;               // value of accepted_ at the last estimate
   bool estimate_asked_ = false;         // the paper's flag
+  double refused_dt_ = 0.0;             // step of the last estimate, if it drowned in the errors of the flows
 };
 
 }  // namespace stiffront
