@@ -52,7 +52,7 @@ void expect_small_residuals() {
     for (Pack& v : b) {
       for (int l = 0; l < pack_size; ++l) v.set(l, std::uniform_real_distribution<double>(-1.0, 1.0)(random));
     }
-    CellLu<Pack, m> lu;
+    CellLu<Pack, m, true> lu;
     for (int i = 0; i < m; ++i) {
       for (int j = 0; j < m; ++j) lu(i, j) = a[i][j];
     }
@@ -84,7 +84,7 @@ void expect_small_complex_residuals() {
     Pack im[m][m];
     draw(random, re);
     draw(random, im);
-    ComplexCellLu<Pack, m> lu;
+    ComplexCellLu<Pack, m, true> lu;
     for (int i = 0; i < m; ++i) {
       for (int j = 0; j < m; ++j) {
         lu.re(i, j) = re[i][j];
@@ -134,8 +134,8 @@ TEST(CellSolve, ALaneDoesNotFeelItsNeighboursExchanges) {
   Pack a[m][m];
   draw(random, a);
   const auto solve = [&](auto entry) {
-    CellLu<Pack, m> real;
-    ComplexCellLu<Pack, m> complex;
+    CellLu<Pack, m, true> real;
+    ComplexCellLu<Pack, m, true> complex;
     for (int i = 0; i < m; ++i) {
       for (int j = 0; j < m; ++j) {
         real(i, j) = complex.re(i, j) = entry(i, j);
@@ -156,8 +156,55 @@ TEST(CellSolve, ALaneDoesNotFeelItsNeighboursExchanges) {
   }
 }
 
+/// Diagonally dominant: no lane needs an exchange.
+template <class Lu, class ComplexLu>
+std::vector<Pack> solve_dominant(Lu& real, ComplexLu& complex) {
+  constexpr int m = 3;
+  for (int i = 0; i < m; ++i) {
+    for (int j = 0; j < m; ++j) {
+      Pack x;
+      for (int l = 0; l < pack_size; ++l) x.set(l, i == j ? 3.0 + 0.1 * l : std::sin(1.0 + i + 3 * j + 7 * l));
+      real(i, j) = complex.re(i, j) = x;
+      complex.im(i, j) = Pack(i == j ? 0.3 : 0.0);
+    }
+  }
+  EXPECT_TRUE(real.factor());
+  EXPECT_TRUE(complex.factor());
+  std::vector<Pack> x{1.0, 2.0, 3.0, 1.0, 2.0, 3.0, -1.0, 0.5, 0.0};
+  real.solve(x.data());
+  complex.solve(x.data() + m, x.data() + 2 * m);
+  return x;
+}
+
+TEST(CellSolve, BothKindsGiveTheSameBitsWhereNothingIsExchanged) {
+  CellLu<Pack, 3, true> real_with;
+  CellLu<Pack, 3, false> real_without;
+  ComplexCellLu<Pack, 3, true> complex_with;
+  ComplexCellLu<Pack, 3, false> complex_without;
+  const std::vector<Pack> a = solve_dominant(real_with, complex_with);
+  const std::vector<Pack> b = solve_dominant(real_without, complex_without);
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(all(a[i] == b[i])) << i;
+}
+
+TEST(CellSolve, ALaneThatNeedsAnExchangeIsNoticed) {
+  for (int lane = 0; lane < pack_size; ++lane) {
+    CellLu<Pack, 2, false> real;
+    ComplexCellLu<Pack, 2, false> complex;
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) {
+        real(i, j) = complex.re(i, j) = Pack(i == j ? 1.0 : -7.0);
+        complex.im(i, j) = Pack(0.0);
+      }
+    }
+    real(1, 0).set(lane, 9.0);
+    complex.im(1, 0).set(lane, -2.0);
+    EXPECT_FALSE(real.factor());
+    EXPECT_FALSE(complex.factor());
+  }
+}
+
 TEST(CellSolve, ASingularMatrixGivesNumbersThatAreNotFinite) {
-  CellLu<double, 2> lu;
+  CellLu<double, 2, false> lu;
   lu(0, 0) = lu(1, 1) = lu(0, 1) = lu(1, 0) = 1.0;
   lu.factor();
   double x[2] = {1.0, 2.0};

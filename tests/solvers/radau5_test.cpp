@@ -224,6 +224,30 @@ TEST(Radau5, ACellsBitsDoNotDependOnItsNeighboursNorOnItsPlaceInTheRow) {
   }
 }
 
+TEST(Radau5, ANeighbourThatNeedsRowExchangesChangesNothing) {
+  // d(du1)/du0 is -1e6 (2 u0 u1 + 1): far above gamma/h in some cells, 0 in others
+  using Vdp = testing::VanDerPol;
+  constexpr int n = 3 * pack_size;
+  Cells<Vdp> all(n);
+  for (int i = 0; i < n; ++i) {
+    all.at(0, i) = 1.2 + 0.05 * (i % 7);
+    all.at(1, i) = i % 3 == 0 ? all.at(0, i) / (1.0 - all.at(0, i) * all.at(0, i)) : -0.5 / all.at(0, i);
+    all.hint[Cells<Vdp>::size(i)] = i % 2 == 0 ? 0.0 : 1e-5;
+  }
+  const Cells<Vdp> start = all;
+  auto kernel = make_kernel<Vdp, Pack>(1e-6);
+  EXPECT_FALSE(all.advance(kernel, 0.0, 1e-4));
+  for (int i = 0; i < n; ++i) {
+    Cells<Vdp> one(1);
+    for (int s = 0; s < 2; ++s) one.at(s, 0) = start.at(s, i);
+    one.hint[0] = start.hint[Cells<Vdp>::size(i)];
+    EXPECT_FALSE(one.advance(kernel, 0.0, 1e-4));
+    for (int s = 0; s < 2; ++s) EXPECT_EQ(all.at(s, i), one.at(s, 0)) << i;
+    EXPECT_EQ(all.hint[Cells<Vdp>::size(i)], one.hint[0]);
+    EXPECT_EQ(all.cost[Cells<Vdp>::size(i)], one.cost[0]);
+  }
+}
+
 TEST(Radau5, ListsLongerThanOneBatchChangeNothing) {
   constexpr int n = 5000;
   Cells<Bz> start = wave_states(n, 3);

@@ -114,7 +114,7 @@ ModelDescription describe() {
 /// Rates and exact Jacobian of a cell or a pack of cells together: jacobian[i][j] = d rates_i / d u_j. Kernels call this one; it
 /// uses duals unless the model has a member of the same name and arguments (models whose formulas are data know their derivatives).
 template <class M, class T>
-void rates_and_jacobian(const M& model, const T* u, T* du, T (*jacobian)[M::n_species], const Place<T>& place) {
+[[gnu::always_inline]] inline void rates_and_jacobian(const M& model, const T* u, T* du, T (*jacobian)[M::n_species], const Place<T>& place) {
   if constexpr (requires { model.rates_and_jacobian(u, du, jacobian, place); }) {
     model.rates_and_jacobian(u, du, jacobian, place);
   } else {

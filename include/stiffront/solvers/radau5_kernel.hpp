@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -82,12 +83,10 @@ class Radau5Kernel {
   }
 
   template <class PlaceOf>
-  void row(const CellRow& cells, PlaceOf&& place_of) {
+  [[gnu::flatten]] void row(const CellRow& cells, PlaceOf&& place_of) {
     const T h(dt_);
     const T inverse_h(1.0 / dt_);
-    int i = 0;
-    for (; i + Traits::size <= cells.n; i += Traits::size) whole_step<true>(cells, i, Traits::size, place_of, h, inverse_h);
-    if (i < cells.n) whole_step<false>(cells, i, cells.n - i, place_of, h, inverse_h);
+    for (int i = 0; i < cells.n; i += Traits::size) whole_step(cells, i, std::min(Traits::size, cells.n - i), place_of, h, inverse_h);
   }
 
   /// @return the failed cell with the lowest number, if any
@@ -124,9 +123,9 @@ class Radau5Kernel {
   static constexpr double largest_growth = 8.0;
   static constexpr double smallest_shrink = 0.2;
 
-  static T load(const double* p, [[maybe_unused]] int n, bool full) { return full ? Traits::load(p) : Traits::load_partial(p, n); }
-  static void store(T x, double* p, [[maybe_unused]] int n, bool full) {
-    if (full) {
+  static T load(const double* p, int n) { return n == Traits::size ? Traits::load(p) : Traits::load_partial(p, n); }
+  static void store(T x, double* p, int n) {
+    if (n == Traits::size) {
       Traits::store(x, p);
     } else {
       Traits::store_partial(x, p, n);
@@ -151,15 +150,15 @@ class Radau5Kernel {
     return select(T(1.0001) * h >= rest, rest, select(T(2.0) * h >= rest, T(0.5) * rest, h));
   }
 
-  template <bool full, class PlaceOf>
+  template <class PlaceOf>
   [[gnu::always_inline]] void whole_step(const CellRow& cells, int i, int n, PlaceOf&& place_of, T h, T inverse_h) {
-    const Mask present = full ? Mask(true) : Traits::first(n);
-    const T hint = load(cells.hint + i, n, full);
+    const Mask present = n == Traits::size ? Mask(true) : Traits::first(n);
+    const T hint = load(cells.hint + i, n);
     const Mask wanted = present && (hint == T(0.0) || hint >= h);
-    Place<T> place = place_of(i, n);
-    place.t = T(t_);
-    T u[m];
-    for (int s = 0; s < m; ++s) u[s] = load(cells.from + s * cells.from_stride + i, n, full);
+    Radau5Start<T, m> start{place_of(i, n), {}, h, inverse_h, wanted, Mask(true)};
+    start.place.t = T(t_);
+    T* const u = start.u;
+    for (int s = 0; s < m; ++s) u[s] = load(cells.from + s * cells.from_stride + i, n);
 
     Mask left = present;
     T retry = hint;
@@ -167,7 +166,7 @@ class Radau5Kernel {
     if (any(wanted)) {
       Radau5Attempt<T, m> a;
       a.newton_factor = T(1.0);
-      radau5_attempt<true>(model_, place, u, h, inverse_h, wanted, Mask(true), tolerances_, a);
+      radau5_attempt<true>(model_, start, tolerances_, a);
       const Mask accepted = a.converged && a.error_squared < T(1.0);
       count_attempts(wanted, accepted, a);
       for (int s = 0; s < m; ++s) u[s] = select(accepted, u[s] + (a.w[0][s] + a.w[1][s]), u[s]);
@@ -176,15 +175,15 @@ class Radau5Kernel {
       retry = select(accepted, T(0.0), hint);
       if (any(left)) retry = select(wanted && !accepted, after_rejection(a, h), retry);
     }
-    for (int s = 0; s < m; ++s) store(u[s], cells.to + s * cells.to_stride + i, n, full);
+    for (int s = 0; s < m; ++s) store(u[s], cells.to + s * cells.to_stride + i, n);
     Traits::store_as_float(iterations, cells.cost + i, n);
-    store(retry, cells.hint + i, n, full);  // of cells on the list: replaced when they are done
+    store(retry, cells.hint + i, n);  // of cells on the list: replaced when they are done
 
     if (any(left)) {
       for (int l = 0; l < n; ++l) {
         if ((bits(left) >> l & 1U) == 0) continue;
         list_.push_back({cells.to + i + l, cells.to_stride, cells.hint + i + l, cells.cost + i + l, cells.first_cell + i + l,
-                         Traits::lane(place.x, l), Traits::lane(place.y, l), Traits::lane(retry, l), Traits::lane(iterations, l),
+                         Traits::lane(start.place.x, l), Traits::lane(start.place.y, l), Traits::lane(retry, l), Traits::lane(iterations, l),
                          (bits(wanted) >> l & 1U) != 0});
       }
       if (list_.size() >= longest_list) work_off_list();
@@ -266,12 +265,13 @@ class Radau5Kernel {
   }
 
   /// One attempt in each active lane.
-  [[gnu::noinline]] void step(Lanes& lanes, Mask& done, Mask& failed, T& hint) {
+  [[gnu::noinline, gnu::flatten]] void step(Lanes& lanes, Mask& done, Mask& failed, T& hint) {
     namespace tab = radau5_tableau;
     const T h = lanes.h;
     const Mask active = lanes.active;
     const Mask first = lanes.last_h == T(0.0);
-    const Place<T> place{T(t_) + lanes.elapsed, lanes.x, lanes.y};
+    Radau5Start<T, m> start{{T(t_) + lanes.elapsed, lanes.x, lanes.y}, {}, h, T(1.0) / h, active, first || lanes.rejected};
+    for (int s = 0; s < m; ++s) start.u[s] = lanes.u[s];
     Radau5Attempt<T, m> a;
     {
       // Lagrange's polynomial of the last step at the new stages, less its value at the new origin
@@ -293,7 +293,7 @@ class Radau5Kernel {
     // The contraction is not taken for granted from one step to the next: RADAU5 uses its 0.8th power, here the 3/4th
     const T root = sqrt(max(lanes.newton_factor, T(2.2e-16)));
     a.newton_factor = root * sqrt(root);
-    radau5_attempt<false>(model_, place, lanes.u, h, T(1.0) / h, active, first || lanes.rejected, tolerances_, a);
+    radau5_attempt<false>(model_, start, tolerances_, a);
     const Mask accepted = active && a.converged && a.error_squared < T(1.0);
     count_attempts(active, accepted, a);
     lanes.attempts = lanes.attempts + T(1.0);

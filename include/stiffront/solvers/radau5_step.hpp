@@ -53,26 +53,41 @@ struct Radau5Attempt {
   Mask refined;        ///< where the estimate was filtered a second time, with one more evaluation of the rates
 };
 
-/// Tries a step of Radau IIA of order 5, with a fresh Jacobian, in the lanes of `wanted`; the others do no harm.
+/// Where and what a step starts from, in each lane.
+template <class T, int m>
+struct Radau5Start {
+  using Mask = typename ScalarTraits<T>::MaskType;
+
+  Place<T> place;  ///< time included
+  T u[m];
+  T h;
+  T inverse_h;
+  Mask wanted;  ///< the lanes in which a step is to be tried
+  Mask refine;  ///< where an estimate above 1 is filtered a second time: in first steps and after rejections
+};
+
+/// Tries a step of Radau IIA of order 5, with a fresh Jacobian, in the lanes that are wanted; the others do no harm.
 ///
 /// Everything a lane computes depends on that lane's arguments alone: iterations continue until the last lane is done, but
 /// only change lanes that are not.
 /// @tparam from_zero whether the starting values of the stages are zero rather than those in r.w
-/// @param refine where an estimate above 1 is filtered a second time: in first steps and after rejections
-template <bool from_zero, class M, class T>
-[[gnu::always_inline]] inline void radau5_attempt(const M& model, const Place<T>& place, const T* u, T h, T inverse_h,
-                                                  typename ScalarTraits<T>::MaskType wanted,
-                                                  typename ScalarTraits<T>::MaskType refine,
-                                                  const Radau5Tolerances<M::n_species>& tolerances,
-                                                  Radau5Attempt<T, M::n_species>& r) {
+/// @return false if row exchanges are needed and not allowed; r is then unchanged
+template <bool from_zero, bool exchanges, class M, class T>
+[[gnu::always_inline]] inline bool radau5_attempt_with(const M& model, const Radau5Start<T, M::n_species>& start,
+                                                       const Radau5Tolerances<M::n_species>& tolerances,
+                                                       Radau5Attempt<T, M::n_species>& r) {
   namespace tab = radau5_tableau;
   using Mask = typename ScalarTraits<T>::MaskType;
   constexpr int m = M::n_species;
+  const T* const u = start.u;
+  const T h = start.h;
+  const T inverse_h = start.inverse_h;
+  const Place<T>& place = start.place;
 
   // J - gamma/h and J - (alpha + i beta)/h: the negatives of the matrices in the literature, to save changing the sign of J
   T f[m];
-  CellLu<T, m> real_system;
-  ComplexCellLu<T, m> complex_system;
+  CellLu<T, m, exchanges> real_system;
+  ComplexCellLu<T, m, exchanges> complex_system;
   {
     T jacobian[m][m];
     rates_and_jacobian(model, u, f, jacobian, place);
@@ -84,8 +99,10 @@ template <bool from_zero, class M, class T>
       }
     }
   }
-  real_system.factor();
-  complex_system.factor();
+  const bool real_good = real_system.factor();
+  const bool complex_good = complex_system.factor();
+  if (!exchanges && !(real_good && complex_good)) return false;
+
   r.rates_size = T(0.0);
   for (int s = 0; s < m; ++s) r.rates_size = r.rates_size + abs(f[s]);
 
@@ -96,7 +113,7 @@ template <bool from_zero, class M, class T>
   }
 
   const T newton_squared(tolerances.newton_squared);
-  Mask iterating = wanted;
+  Mask iterating = start.wanted;
   r.converged = Mask(false);
   r.newton_iterations = T(0.0);
   r.shrink = T(0.5);
@@ -201,7 +218,7 @@ template <bool from_zero, class M, class T>
     return sum * T(1.0 / m);
   };
   r.error_squared = norm_of(e);
-  r.refined = r.converged && refine && r.error_squared >= T(1.0);
+  r.refined = r.converged && start.refine && r.error_squared >= T(1.0);
   if (any(r.refined)) {
     T v[m];
     for (int s = 0; s < m; ++s) v[s] = u[s] + e[s];
@@ -209,6 +226,28 @@ template <bool from_zero, class M, class T>
     for (int s = 0; s < m; ++s) e[s] = -(e[s] + increment[s]);
     real_system.solve(e);
     r.error_squared = select(r.refined, T(tolerances.refined_squared) * norm_of(e), r.error_squared);
+  }
+  return true;
+}
+
+/// The same with row exchanges. It works on a copy, so that the common path may keep its numbers in registers.
+template <bool from_zero, class M, class T>
+[[gnu::noinline]] void radau5_attempt_with_exchanges(const M& model, const Radau5Start<T, M::n_species>& start,
+                                                     const Radau5Tolerances<M::n_species>& tolerances,
+                                                     Radau5Attempt<T, M::n_species>& r) {
+  radau5_attempt_with<from_zero, true>(model, start, tolerances, r);
+}
+
+/// The same, with row exchanges where they are needed.
+template <bool from_zero, class M, class T>
+[[gnu::always_inline]] inline void radau5_attempt(const M& model, const Radau5Start<T, M::n_species>& start,
+                                                  const Radau5Tolerances<M::n_species>& tolerances,
+                                                  Radau5Attempt<T, M::n_species>& r) {
+  if (!radau5_attempt_with<from_zero, false>(model, start, tolerances, r)) [[unlikely]] {
+    const Radau5Start<T, M::n_species> start_copy = start;
+    Radau5Attempt<T, M::n_species> r_copy = r;
+    radau5_attempt_with_exchanges<from_zero>(model, start_copy, tolerances, r_copy);
+    r = r_copy;
   }
 }
 
