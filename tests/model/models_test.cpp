@@ -15,6 +15,7 @@
 #include "stiffront/model/builtin/brusselator.hpp"
 #include "stiffront/model/builtin/bz.hpp"
 #include "stiffront/model/builtin/bz2.hpp"
+#include "stiffront/model/builtin/discharge.hpp"
 #include "stiffront/model/builtin/fitzhugh_nagumo.hpp"
 #include "stiffront/model/builtin/flame.hpp"
 #include "stiffront/model/builtin/gray_scott.hpp"
@@ -43,7 +44,7 @@ struct List {
 };
 
 using Models =
-    List<Angiogenesis, Brusselator, Bz, Bz2, FitzhughNagumo, Flame, GrayScott, Ignition, Kpp, LambdaOmega, Pulse, SlavedOscillator>;
+    List<Angiogenesis, Brusselator, Bz, Bz2, Discharge, FitzhughNagumo, Flame, GrayScott, Ignition, Kpp, LambdaOmega, Pulse, SlavedOscillator>;
 
 /// Models whose rates go beyond + - * /: there packs and doubles agree to a few units in the last place only.
 template <class M>
@@ -61,6 +62,10 @@ class Samples {
       u[static_cast<std::size_t>(s)] = scale * uniform_(engine_);
     }
     place = {uniform_(engine_), uniform_(engine_), uniform_(engine_)};
+    if constexpr (std::is_same_v<M, Discharge>) {  // around the switching times of three pulses and the end of the electrode
+      place.t = 2e-8 * place.t + 1e-6 * std::floor(3.0 * uniform_(engine_));
+      place.x = 0.0095 + 0.001 * place.x;
+    }
   }
 
   std::array<double, static_cast<std::size_t>(M::n_species)> u;
@@ -287,7 +292,7 @@ TEST(ModelsTest, ProfilesAreFiniteAndOfTheModelsScale) {
               p.evaluate(m, grid, i, j, u);
               for (int s = 0; s < M::n_species; ++s) {
                 ASSERT_TRUE(std::isfinite(u[s])) << p.name << " at " << i << ", " << j;
-                ASSERT_LE(std::abs(u[s]), (std::is_same_v<M, Bz> ? 1e3 : 10.0)) << p.name << " at " << i << ", " << j;
+                ASSERT_LE(std::abs(u[s]), (std::is_same_v<M, Discharge> ? 1e14 : std::is_same_v<M, Bz> ? 1e3 : 10.0)) << p.name << " at " << i << ", " << j;
                 if (i + j == 0) first[s] = u[s];
                 uniform &= u[s] == first[s];
               }
@@ -430,6 +435,48 @@ TEST(ModelsTest, PulseFeedsAfterOnAndUntilOff) {
   place.t.set(1, 0.45);
   m.rates(v, dv, place);
   for (int l = 0; l < pack_size; ++l) EXPECT_EQ(dv[0][l], l == 1 ? 50.0 : 0.0);
+}
+
+TEST(ModelsTest, DischargeHasTheRatesOfMorrowAndLowkeAtFortyKilovoltsPerCentimetre) {
+  const Discharge m;
+  EXPECT_NEAR(m.ionisation_rate(), 1.047754e9, 1e3);
+  EXPECT_NEAR(m.attachment_rate(), 1.820465e8, 1e2);
+}
+
+TEST(ModelsTest, DischargeSwitchesAtTheEndsOfPulsesAndPeriodsWhateverTheRounding) {
+  const Discharge m;
+  const double u[3] = {1.0, 0.0, 0.0};
+  double du[3];
+  const auto on = [&](double t, double x) {
+    cell_rates(m, t, x, 0.0, u, du);
+    return du[2] > 0.0;
+  };
+  for (int k = 0; k < 100; ++k) {
+    const double start = k * m.period;
+    const double end = start + m.pulse;
+    for (double x : {0.0, 20 * (0.5 / 1000), std::nextafter(0.01, 1.0)}) {
+      for (double rounding : {-4e-16, 0.0, 4e-16}) {
+        EXPECT_FALSE(on(start * (1.0 + rounding), x)) << k;
+        EXPECT_TRUE(on(end * (1.0 + rounding), x)) << k;
+      }
+      EXPECT_TRUE(on(start + 1e-6 * m.pulse, x)) << k;
+      EXPECT_TRUE(on(end - 1e-6 * m.pulse, x)) << k;
+      EXPECT_FALSE(on(end + 1e-6 * m.pulse, x)) << k;
+      EXPECT_FALSE(on(start + 0.5 * m.period, x)) << k;
+    }
+    EXPECT_FALSE(on(0.5 * (start + end), 21 * (0.5 / 1000))) << k;
+  }
+}
+
+TEST(ModelsTest, DischargeConservesChargeWithAndWithoutField) {
+  const Discharge m;
+  for (double t : {0.5 * m.pulse, 2.0 * m.pulse}) {
+    const double u[3] = {3e14, 5e14, 1e14};
+    double du[3];
+    cell_rates(m, t, 0.0, 0.0, u, du);
+    EXPECT_NE(du[0], 0.0);
+    EXPECT_NEAR(du[1] - du[0] - du[2], 0.0, 1e-15 * 1.2e9 * u[1]);
+  }
 }
 
 TEST(ModelsTest, ConservedSumsAreConserved) {
