@@ -336,7 +336,7 @@ TEST(ModelsTest, UnknownNamesAreInputErrorsThatSayWhichKey) {
 }
 
 TEST(ModelsTest, BzIgnitesTheStripOfItsPaperByIndex) {
-  // 0 <= 20 x - 0.05 <= 0.15 on 4001 points: x from 1/400 to 1/100.
+  // 0 <= 20 x - 0.05 < 0.15 on 4001 points: x from 1/400 to below 1/100.
   Grid grid;
   grid.points = {4001, 1};
   const Bz m;
@@ -344,7 +344,7 @@ TEST(ModelsTest, BzIgnitesTheStripOfItsPaperByIndex) {
     double u[3];
     Bz::front(m, grid, i, 0, u);
     const double rest = m.q * (m.f + 1.0) / (m.f - 1.0);
-    EXPECT_EQ(u[1], i >= 200 ? 0.0 : (i >= 10 && i <= 40 ? 0.8 : rest)) << i;
+    EXPECT_EQ(u[1], i >= 200 ? 0.0 : (i >= 10 && i < 40 ? 0.8 : rest)) << i;
     // a is in balance: f c = (q + b) a.
     EXPECT_NEAR(u[0] * (m.q + u[1]), m.f * u[2], 1e-15) << i;
   }
