@@ -34,8 +34,8 @@ function(restart_test name case every)
 endfunction()
 
 restart_test(strang bz-1d 7 method.name=strang method.step=1e-3 time.end=0.02)
-restart_test(adaptive-strang bz-1d 37 method.name=adaptive-strang method.tolerance=1e-4 time.end=4e-3)
-restart_test(dcs bz-1d 37 method.name=dcs method.tolerance=1e-5 time.end=2e-3)
+restart_test(adaptive-strang bz-1d 17 method.name=adaptive-strang method.tolerance=1e-4 time.end=4e-3)
+restart_test(dcs bz-1d 11 method.name=dcs method.tolerance=1e-5 time.end=2e-3)
 
 same_bits_test(sbdf-1d bz-1d "${lines}" method.name=sbdf method.relative_tolerance=1e-4 time.end=0.02)
 same_bits_test(sbdf-2d bz-2d-spiral "${boxes}" "grid.points=[67, 61]" method.name=sbdf method.relative_tolerance=1e-4 time.end=0.02)

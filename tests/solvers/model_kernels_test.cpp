@@ -114,8 +114,9 @@ TEST_F(ModelKernelsTest, JacobianBoundIsThatOfTheWorstCellHoweverTheRowIsSplit) 
     }
   }
   const double bound = kernels.jacobian_bound(0.75, u, {0, 29, 0, 5});
-  EXPECT_EQ(bound, largest);
-  EXPECT_GE(bound, radius);
+  EXPECT_LE(bound, largest * (1 + 1e-12));  // powers of the Jacobian do better than its norms
+  EXPECT_GE(bound, radius * (1 - 1e-12));
+  EXPECT_LE(bound, 1.2 * radius);
   for (int split = 1; split < 29; ++split) {
     EXPECT_EQ(std::max(kernels.jacobian_bound(0.75, u, {0, split, 0, 5}), kernels.jacobian_bound(0.75, u, {split, 29, 0, 5})), bound)
         << "split at " << split;
