@@ -130,7 +130,10 @@ int run(int argc, char** argv, const ModelRegistry& models) {
   try {
     return std::visit(Obey(argc, argv, models), parse_command_line(argc, argv));
   } catch (const Error& error) {
-    if (speaks_without_mpi()) complain(error.what());
+    // Under mpirun every process fails alike. The silent ones leave the verdict to the one that speaks: the launcher kills the job at the
+    // first failure it sees, which might be before the message is out.
+    if (!speaks_without_mpi()) return 0;
+    complain(error.what());
     return error.exit_status();
   } catch (const std::exception& error) {
     complain(fmt::format("a bug of the program: {}", error.what()));
