@@ -11,7 +11,7 @@ foreach(step install find_package pkg_config)
     COMMAND ${CMAKE_COMMAND} -D STEP=${step} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${CMAKE_CURRENT_SOURCE_DIR}/consumer
             -D WORK=${CMAKE_CURRENT_BINARY_DIR}/consumer -D VERSION=${PROJECT_VERSION} -D CXX=${CMAKE_CXX_COMPILER}
             -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/consumer_test.cmake)
-  set_tests_properties(consumer.${step} PROPERTIES LABELS repository TIMEOUT 180
+  set_tests_properties(consumer.${step} PROPERTIES LABELS repository TIMEOUT 280
     ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;ASAN_OPTIONS=detect_leaks=0")
 endforeach()
 set_tests_properties(consumer.install PROPERTIES FIXTURES_SETUP install_tree)
