@@ -79,6 +79,9 @@ MethodStack::MethodStack(const Case& c, Problem& problem) {
   if (c.space.quadrature_order.value_or(c.space.order) != c.space.order && !std::holds_alternative<DcsOptions>(c.method)) {
     throw Error(ErrorKind::input, fmt::format("{}: space.quadrature_order: only the method \"dcs\" has a quadrature; leave it out", c.file));
   }
+  if (c.reaction_solver.positivity == Positivity::reject_step) {
+    throw Error(ErrorKind::input, fmt::format("{}: reaction_solver.positivity: \"reject-step\" is not available in this version; use \"report\"", c.file));
+  }
   std::visit([&](const auto& options) { make(c, options, problem); }, c.method);
 }
 
