@@ -10,8 +10,10 @@
 #include <map>
 #include <optional>
 
+#include "custom_model_of.hpp"
 #include "schema.hpp"
 #include "stiffront/app/methods.hpp"
+#include "stiffront/core/entry_error.hpp"
 #include "stiffront/core/spelling.hpp"
 #include "stiffront/model/expression.hpp"
 #include "toml_text.hpp"
@@ -33,7 +35,7 @@ const T* find_entry(const NamedList<T>& list, const std::string& name) {
 bool is_reserved(const std::string& name) {
   static const std::vector<std::string> reserved = {
       "t",   "x",   "y",   "z",    "pi",   "e",    "if",   "min",  "max",  "abs", "sqrt", "exp",     "log", "log10",
-      "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "pow", "type", "profile", "file"};
+      "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "pow", "arrhenius", "type", "profile", "file"};
   return contains(reserved, name);
 }
 
@@ -163,10 +165,11 @@ class Completion {
       registered_model();
     }
     check_species_names("model.diffusion", model.diffusion);
-    expressions_of_model();
+    diffusion_coefficients();
     in_order_of_species(model.diffusion, [this](std::size_t s) {
       return Value(description_ == nullptr ? 0.0 : description_->diffusion[s]);
     });
+    if (model.is_custom()) compile_custom_model();
   }
 
   /// The value must be an expression of these variables and the parameters.
@@ -184,9 +187,8 @@ class Completion {
     }
   }
 
-  void expressions_of_model() const {
-    const ModelOptions& model = c_.model;
-    for (const auto& [species, value] : model.diffusion) {
+  void diffusion_coefficients() const {
+    for (const auto& [species, value] : c_.model.diffusion) {
       const std::string path = "model.diffusion." + species;
       const std::optional<double> coefficient = check_expression(path, value, {});
       if (!(coefficient.value_or(-1.0) >= 0.0)) {
@@ -194,14 +196,15 @@ class Completion {
              fmt::format("expected a number not below 0, got {} = {}", tree_.text(path), coefficient.value_or(-1.0)));
       }
     }
-    std::vector<std::string> variables = model.species;
-    variables.insert(variables.end(), {"t", "x", "y"});
-    for (const auto& [species, rate] : model.reaction) check_expression("model.reaction." + species, rate, variables);
-    for (std::size_t i = 0; i < model.reactions.size(); ++i) {
-      const ReactionOptions& reaction = model.reactions[i];
-      const std::string path = fmt::format("model.reactions[{}]", i);
-      check_expression(path + ".rate", reaction.rate, variables);
-      if (reaction.reverse_rate) check_expression(path + ".reverse_rate", *reaction.reverse_rate, variables);
+  }
+
+  void compile_custom_model() const {
+    try {
+      make_custom_model(custom_model_of(c_.model));
+    } catch (const EntryError& error) {
+      fail(error.key(), error.detail());
+    } catch (const Error& error) {
+      fail("model", error.what());
     }
   }
 
@@ -261,16 +264,12 @@ class Completion {
       check_new_name(path, name);
       if (contains(model.species, name)) fail(path, fmt::format("{} is a species already", name));
     }
-    const bool has_rates = tree_.has("model.reaction");
-    const bool has_network = tree_.has("model.reactions");
-    if (has_rates == has_network) {
-      fail(has_rates ? "model.reactions" : "model.reaction",
-           fmt::format("{}: a custom model has either [model.reaction], one expression for each species, or "
-                       "[[model.reactions]], a reaction network",
-                       has_rates ? "one too many" : "missing"));
+    if (model.reaction.empty() && model.reactions.empty()) {
+      fail("model.reaction",
+           "missing: [model.reaction] with an expression for each species, or [[model.reactions]], a reaction network");
     }
-    if (has_rates) {
-      check_species_names("model.reaction", model.reaction);
+    check_species_names("model.reaction", model.reaction);
+    if (model.reactions.empty()) {
       require_all_species("model.reaction", model.reaction, "expression");
       in_order_of_species(model.reaction, [](std::size_t) { return std::string(); });
     }

@@ -42,9 +42,14 @@ std::string streamed(const T& x) {
   return stream.str();
 }
 
+/// As compilers and editors write it: FILE:LINE:COLUMN. What dotted keys and overrides imply stands nowhere.
+std::string place(const std::string& file, const toml::source_position& at) {
+  return at.line > 0 ? fmt::format("{}:{}:{}", file, at.line, at.column) : file;
+}
+
 ConfigNode convert(const toml::node& node, const std::string& file) {
   ConfigNode result;
-  result.origin = node.source().begin.line > 0 ? fmt::format("{}:{}", file, node.source().begin.line) : file;
+  result.origin = place(file, node.source().begin);
   if (const auto* boolean = node.as_boolean()) {
     result.type = ConfigNode::Type::boolean;
     result.boolean = boolean->get();
@@ -74,7 +79,7 @@ ConfigNode convert(const toml::node& node, const std::string& file) {
     });
     for (const Entry& entry : order) {
       ConfigNode value = convert(*entry.value, file);
-      if (entry.position.line > 0) value.origin = fmt::format("{}:{}", file, entry.position.line);
+      if (entry.position.line > 0) value.origin = place(file, entry.position);
       result.entries.emplace_back(entry.key->str(), std::move(value));
     }
   } else {

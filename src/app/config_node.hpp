@@ -19,7 +19,7 @@ struct ConfigNode {
   std::string string;                                       ///< string; date: as text
   std::vector<ConfigNode> elements;                         ///< array
   std::vector<std::pair<std::string, ConfigNode>> entries;  ///< table
-  std::string origin;                                       ///< "bz.toml:12" or "command line"
+  std::string origin;                                       ///< "bz.toml:12:1" or "command line"
 
   bool is_number() const { return type == Type::integer || type == Type::number; }
   double as_number() const { return type == Type::integer ? static_cast<double>(integer) : number; }

@@ -9,11 +9,11 @@
 #include <string>
 #include <utility>
 
+#include "custom_model_of.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/io/result_file.hpp"
 #include "stiffront/model/expression.hpp"
 #include "stiffront/model/space_expression.hpp"
-#include "stiffront/solvers/custom_model.hpp"
 
 namespace stiffront::app {
 namespace {
@@ -76,17 +76,7 @@ Boundary make_boundary(const Case& c) {
 
 std::unique_ptr<ModelKernels> make_model(const Case& c, const ModelRegistry& models) {
   if (!c.model.is_custom()) return models.make(c.model.name, parameters(c));
-  CustomModel m;
-  m.species = c.model.species;
-  m.parameters = c.model.parameters;
-  m.diffusion = c.model.diffusion;
-  m.reaction = c.model.reaction;
-  for (const ReactionOptions& r : c.model.reactions) m.reactions.push_back({r.equation, r.rate, r.reverse_rate, r.mass_action});
-  try {
-    return make_custom_model(m);
-  } catch (const Error& e) {
-    throw Error(e.kind(), fmt::format("{}: {}", c.file, e.what()));
-  }
+  return make_custom_model(custom_model_of(c.model));  // compiled once before, when the case was read
 }
 
 /// @return a sentence for the log, or nothing.

@@ -146,7 +146,7 @@ Key reaction_key() {
 Key reactions_key() {
   Key key(
       "model.reactions", R"(an array of tables { equation = "...", rate = ... })",
-      "custom only: a reaction network instead of model.reaction: [[model.reactions]] with an equation like "
+      "custom only: a reaction network, instead of model.reaction or added to it: [[model.reactions]] with an equation like "
       "\"2 u + v -> 3 u\" and a rate, a number or an expression; also reverse_rate, of the backward direction of <->, "
       "and mass_action = false where rate is the whole rate");
   key.default_note = "none";

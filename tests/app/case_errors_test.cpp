@@ -68,15 +68,15 @@ TEST(CaseErrors, EveryListRefusesNanInIt) {
 TEST(CaseErrors, MessagesNameFileLineAndKey) {
   std::string text = example_text;
   text.replace(text.find("tolerance = 1e-5"), 16, "tolerance = -1");
-  EXPECT_EQ(message_of({}, text), "bz.toml:13: method.tolerance: expected a positive number, got -1");
+  EXPECT_EQ(message_of({}, text), "bz.toml:13:1: method.tolerance: expected a positive number, got -1");
   text = example_text;
   text.replace(text.find("end = 2.0"), 9, "ends = 2.0");
   EXPECT_EQ(
       message_of({}, text),
-      "bz.toml:10: time.ends: unknown key; did you mean end? Allowed in [time]: start, end, breakpoints, restart_step");
+      "bz.toml:10:1: time.ends: unknown key; did you mean end? Allowed in [time]: start, end, breakpoints, restart_step");
   text = example_text;
   text.replace(text.find("end = 2.0"), 9, "");
-  EXPECT_EQ(message_of({}, text), "bz.toml:9: time.end: missing: a number (time at which the run ends)");
+  EXPECT_EQ(message_of({}, text), "bz.toml:9:2: time.end: missing: a number (time at which the run ends)");
   text = example_text;
   text.replace(text.find("points = [101]"), 14, "points = [101");
   EXPECT_EQ(message_of({}, text).substr(0, 29), "bz.toml:4: not valid TOML: Er");
@@ -94,8 +94,8 @@ TEST(CaseErrors, MissingEntriesAreNamed) {
 }
 
 TEST(CaseErrors, MessagesStayOnOneLine) {
-  EXPECT_EQ(message_of({}, std::string(example_text) + "\"a\\nb\" = 1\n").substr(0, 35),
-            "bz.toml:14: method.a b: unknown key");
+  EXPECT_EQ(message_of({}, std::string(example_text) + "\"a\\nb\" = 1\n").substr(0, 37),
+            "bz.toml:14:1: method.a b: unknown key");
 }
 
 TEST(CaseErrors, TwiceDefinedKeysAreRefusedByTheParser) {
@@ -348,17 +348,15 @@ TEST(CustomModelErrors, HaveTheirMessages) {
             "command line: model.parameters.pi: the name pi is taken; choose another one");
   EXPECT_EQ(message({"model.parameters.u=3"}), "command line: model.parameters.u: u is a species already");
   EXPECT_EQ(message({"model.species=[\"u\", \"v\", \"w\"]"}),
-            "bz.toml:9: model.reaction: no expression for w; every species needs one");
+            "bz.toml:9:8: model.reaction: no expression for w; every species needs one");
   EXPECT_EQ(message({"model.reaction.w=1"}),
             "command line: model.reaction.w: unknown species; allowed for model custom: u, v");
-  EXPECT_EQ(message({"model.reactions=[{ equation = \"u -> v\", rate = 1 }]"}),
-            "command line: model.reactions: one too many: a custom model has either [model.reaction], one expression "
-            "for each "
-            "species, or [[model.reactions]], a reaction network");
-  EXPECT_EQ(
-      message({"model={ name = \"custom\", species = [\"u\"] }"}),
-      "command line: model.reaction: missing: a custom model has either [model.reaction], one expression for each "
-      "species, or [[model.reactions]], a reaction network");
+  EXPECT_EQ(message({"model={ name = \"custom\", species = [\"u\"] }"}),
+            "command line: model.reaction: missing: [model.reaction] with an expression for each species, or "
+            "[[model.reactions]], a reaction network");
+  EXPECT_EQ(message({"model.species=[\"a1\", \"a2\", \"a3\", \"a4\", \"a5\", \"a6\", \"a7\", \"a8\", \"a9\"]",
+                     "model.reaction={}", "model.diffusion={}", "model.reactions=[{ equation = \"a1 -> a2\", rate = 1 }]"}),
+            "command line: model.species: expected at most 8 species, got 9");
   EXPECT_EQ(message({"initial={ profile = \"bz-front\" }"}),
             "command line: initial.profile: model custom has no profiles; give an expression for each species");
   EXPECT_EQ(message({"model.reaction=[]"}),
@@ -383,6 +381,10 @@ TEST(ExpressionErrors, NameTheEntryAndTheColumn) {
             "command line: boundary.x.u: column 8: unknown name \"C\"; allowed: t, x, y, A, B, nu, pi, e");
   EXPECT_EQ(message_of({"model.reactions=[{ equation = \"u -> v\", rate = \"k\" }]"}, network_text),
             "command line: model.reactions[0].rate: column 1: unknown name \"k\"; allowed: u, v, t, x, y, pi, e");
+  EXPECT_EQ(message_of({"model.reactions=[{ equation = \"u -> w\", rate = 1 }]"}, network_text),
+            "command line: model.reactions[0].equation: column 6: unknown species \"w\"; allowed: u, v");
+  EXPECT_EQ(message_of({"model.reactions=[{ equation = \"u <-> v\", rate = 1 }]"}, network_text),
+            "command line: model.reactions[0].reverse_rate: missing: the coefficient of the backward direction");
   EXPECT_EQ(
       message_of({"model.reactions=[{ equation = \"u <-> v\", rate = 1, reverse_rate = \"1 +\" }]"}, network_text),
       "command line: model.reactions[0].reverse_rate: column 4: the expression ends where a number, a name or ( is "

@@ -63,6 +63,13 @@ TEST(CaseFile, ReactionNetworksAreArraysOfTables) {
   EXPECT_EQ(c.model.reactions[1], (ReactionOptions{"u <-> 0", "0.1*(1 + x)", Value(0.01), false}));
 }
 
+TEST(CaseFile, AReactionNetworkTakesExpressionsForSomeSpeciesBesides) {
+  const Case c = parse_example({"model.reaction.v=0.5*(1 - v)"}, network_text);
+  EXPECT_EQ(c.model.reaction, (NamedList<std::string>{{"v", "0.5*(1 - v)"}}));
+  EXPECT_EQ(c.model.reactions.size(), 2U);
+  EXPECT_TRUE(c.same_options(parse_example({}, effective_configuration(c))));
+}
+
 TEST(CaseFile, BoundariesAreGivenByAxisOrBySide) {
   const auto& sides = [](const Case& c) { return c.boundary.sides; };
   Case c = parse_example({"boundary.x=periodic"});

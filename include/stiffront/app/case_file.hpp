@@ -21,7 +21,7 @@ struct CaseSource {
 /// @param models those a case may name: ModelRegistry::descriptions()
 ///
 /// Depends on nothing but its arguments, so ranks that hold the same source get the same case or the same error.
-/// @throws Error(input) with one line: file, line, key, what is wrong, what is allowed.
+/// @throws Error(input) with one line: file, line, column, key, what is wrong, what is allowed.
 ///         Error(usage) if an override is not of the form KEY=VALUE.
 Case parse_case(const CaseSource& source, const std::vector<ModelDescription>& models);
 

@@ -76,8 +76,8 @@ struct ModelOptions {
   std::vector<std::string> species;  ///< the model's own, or those of a custom model
   NamedList<double> parameters;
   NamedList<Value> diffusion;              ///< one entry per species, in the order of `species`
-  NamedList<std::string> reaction;         ///< custom: one expression per species, in the order of `species`
-  std::vector<ReactionOptions> reactions;  ///< custom: a reaction network instead
+  NamedList<std::string> reaction;         ///< custom: expressions; without `reactions` one per species, in their order
+  std::vector<ReactionOptions> reactions;  ///< custom: a reaction network, added to `reaction`
 
   bool is_custom() const { return name == "custom"; }
   bool operator==(const ModelOptions&) const = default;
