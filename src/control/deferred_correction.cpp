@@ -267,6 +267,8 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
     correct(t, dt, u, a);
   }
 
+  // Residuals that are 0 or nearly overflow have no quotient to go by.
+  if (std::isnan(dt_new)) dt_new = a.accepted ? dt : 0.5 * dt;
   a.dt_next = std::min(dt_new, options_.max_growth * dt);
   if (a.accepted) {
     swap(u_new, v_.back());

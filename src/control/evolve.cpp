@@ -50,11 +50,20 @@ Target next_target(const Schedule& s, double t) {
                           r.t, r.dt, r.step, r.attempt.reason.empty() ? "" : ": ", r.attempt.reason));
 }
 
+/// Rates or derivatives that are not finite leave nothing to begin with.
+double first_step(Method& method, double t, double t_end, Field& u) {
+  const double dt = method.first_step(t, t_end, u);
+  if (dt > 0.0 && dt < std::numeric_limits<double>::infinity()) return dt;
+  throw Error(ErrorKind::numerics, fmt::format("no first step can be chosen at t = {:.17g}: the model's rates or their derivatives are not "
+                                               "finite there; check the model and its initial state",
+                                               t));
+}
+
 }  // namespace
 
 bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progress, Observer& observer) {
   Field u_new = u.similar();
-  if (progress.dt == 0.0) progress.dt = method.first_step(progress.t, schedule.end, u);
+  if (progress.dt == 0.0) progress.dt = first_step(method, progress.t, schedule.end, u);
   while (progress.t < schedule.end) {
     if (schedule.max_steps > 0 && progress.accepted + progress.rejected >= schedule.max_steps) {
       throw Error(ErrorKind::numerics, fmt::format("limits.max_steps: {} attempts were made and t = {:.17g} is reached, not {:.17g}",
@@ -102,7 +111,7 @@ bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progre
     if (lands && target.restarts) {
       method.restart(progress.t);
       progress.dt = target.resets_step && schedule.restart_step > 0.0 ? schedule.restart_step
-                                                                     : method.first_step(progress.t, schedule.end, u);
+                                                                     : first_step(method, progress.t, schedule.end, u);
     }
     if (!observer.carry_on(flags, progress.accepted, progress.t, progress.dt, u)) return progress.t >= schedule.end;
   }

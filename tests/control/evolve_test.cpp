@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
+#include <string>
 
 #include "stiffront/core/error.hpp"
 
@@ -142,6 +144,20 @@ TEST_F(EvolveTest, FailsWithTheReasonWhenTheStepUnderflows) {
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), ErrorKind::numerics);
     EXPECT_NE(std::string(e.what()).find("because"), std::string::npos);
+  }
+}
+
+TEST_F(EvolveTest, FailsWhenNoFirstStepCanBeChosen) {
+  for (const double step : {0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    method_.step = step;
+    Progress progress;
+    try {
+      evolve(method_, schedule_, u_, progress, recorder_);
+      ADD_FAILURE() << step;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::numerics);
+      EXPECT_NE(std::string(error.what()).find("not finite"), std::string::npos) << error.what();
+    }
   }
 }
 
