@@ -20,6 +20,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -27,6 +28,8 @@
 #include <exception>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <string>
 #include <vector>
 
 #include "stiffront/control/sbdf_stability.hpp"
@@ -38,7 +41,11 @@ using namespace stiffront;
 using namespace stiffront::sbdf_stability;
 
 constexpr int highest_order = 5;
-constexpr int most_sweeps = 12;
+
+// Every number of sweeps up to here; beyond, numbers some 17 % apart (a step then makes 8 % too many on average).
+constexpr int dense_up_to = 12;
+constexpr std::array sweep_counts{1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 14,
+                                  16, 19, 22, 26, 30, 35, 41, 48, 56, 66, 77, 90, 105};
 
 // Every mode loses at least 2 % of its amplitude in a step, or half of the logarithm it should lose if that is less.
 constexpr double damping = 0.98;
@@ -231,6 +238,74 @@ std::vector<double> best_order(std::vector<double> zeros, double end) {
   return ordered;
 }
 
+// Long sequences. With shift 0 first the roughest modes of the predictor's error would grow by gamma z, thousands of
+// times, which nonlinear rates do not forgive; so the place of the zero is free too. Too many sets for all of them: the
+// best `width` beginnings are continued, measured as above.
+std::vector<double> good_order(const std::vector<double>& zeros, double end) {
+  const std::size_t n = zeros.size();
+  constexpr int per_lobe = 8;
+  constexpr std::size_t width = 24;
+  std::vector<double> places;
+  for (std::size_t j = 0; j < n; ++j) {
+    const double next = j + 1 < n ? zeros[j + 1] : end;
+    for (int i = 1; i <= per_lobe; ++i) places.push_back(zeros[j] + (next - zeros[j]) * (i - (j + 1 < n ? 0.5 : 0)) / per_lobe);
+  }
+  const std::size_t points = places.size();
+  std::vector<std::vector<double>> factor(n, std::vector<double>(points));
+  std::vector<double> whole(points, 0);
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t p = 0; p < points; ++p) {
+      factor[j][p] = std::log(std::abs((zeros[j] - places[p]) / (1 + zeros[j])));
+      whole[p] += factor[j][p];
+    }
+  }
+  struct Beginning {
+    double cost = 0;
+    std::vector<bool> used;
+    std::vector<std::size_t> sequence;
+    std::vector<double> product;  // logarithms
+  };
+  std::vector<Beginning> best{{0, std::vector<bool>(n, false), {}, std::vector<double>(points, 0)}};
+  for (std::size_t place = 0; place < n; ++place) {
+    struct Candidate {
+      double cost;
+      std::size_t from;
+      std::size_t next;
+    };
+    std::vector<Candidate> candidates;
+    for (std::size_t from = 0; from < best.size(); ++from) {
+      for (std::size_t j = 0; j < n; ++j) {
+        if (best[from].used[j]) continue;
+        double before = -1e300;
+        double after = -1e300;
+        for (std::size_t p = 0; p < points; ++p) {
+          const double product = best[from].product[p] + factor[j][p];
+          before = std::max(before, product);
+          after = std::max(after, whole[p] - product);
+        }
+        candidates.push_back({best[from].cost + std::exp(before) + std::exp(after), from, j});
+      }
+    }
+    // Equal costs come from the same set in another order: one of them is enough.
+    std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    std::vector<Beginning> next;
+    for (const Candidate& c : candidates) {
+      if (next.size() == width) break;
+      std::vector<bool> used = best[c.from].used;
+      used[c.next] = true;
+      if (std::any_of(next.begin(), next.end(), [&](const Beginning& b) { return b.used == used; })) continue;
+      Beginning b{c.cost, std::move(used), best[c.from].sequence, best[c.from].product};
+      b.sequence.push_back(c.next);
+      for (std::size_t p = 0; p < points; ++p) b.product[p] += factor[c.next][p];
+      next.push_back(std::move(b));
+    }
+    best = std::move(next);
+  }
+  std::vector<double> ordered;
+  for (const std::size_t j : best.front().sequence) ordered.push_back(zeros[j]);
+  return ordered;
+}
+
 // --------------------------------------------------------------------------------------------------------- the table
 
 struct Entry {
@@ -238,16 +313,20 @@ struct Entry {
   std::vector<double> shifts;
 };
 
-double rounded(double x, double unit) { return std::round(x / unit) * unit; }
+// Of the shifts; the smallest of the longest sequence is 1e-3.
+constexpr double unit = 1e-6;
+
+double rounded(double x, double to) { return std::round(x / to) * to; }
 
 Entry make_entry(int order, int sweeps, const Band& band) {
   const Ripples ripples = equal_ripples(band, sweeps);
   Entry entry;
-  for (const double zero : best_order(ripples.zeros, ripples.end)) {
-    entry.shifts.push_back(rounded(2 * zero / ripples.end, 1e-6));
+  const bool is_short = sweeps <= dense_up_to;
+  for (const double zero : is_short ? best_order(ripples.zeros, ripples.end) : good_order(ripples.zeros, ripples.end)) {
+    entry.shifts.push_back(rounded(2 * zero / ripples.end, unit));
   }
   // The limit is what a direct scan of all modes confirms for the rounded shifts, never more than the ideal.
-  constexpr int points_per_lobe = 60;
+  const int points_per_lobe = is_short ? 60 : 40;
   const double ideal = ripples.end / band.gamma();
   double good = 0.5 * ideal;
   double bad = 1.001 * ideal;
@@ -263,67 +342,78 @@ Entry make_entry(int order, int sweeps, const Band& band) {
 }
 
 void print_table() {
-  std::vector<std::vector<Entry>> entries;
-  for (int order = 1; order <= highest_order; ++order) {
-    const Band band(order);
-    auto& row = entries.emplace_back();
-    for (int sweeps = 1; sweeps <= most_sweeps; ++sweeps) row.push_back(make_entry(order, sweeps, band));
-  }
-
+  std::string counts;
+  for (int sweeps : sweep_counts) counts += fmt::format("{}{}", counts.empty() ? "" : ", ", sweeps);
   fmt::print(R"(// SPDX-License-Identifier: BSD-3-Clause
 // Generated by drivers/generators/sbdf_tables.cpp: sbdf_tables > include/stiffront/control/sbdf_tables.hpp
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
+#include <stdexcept>
 
 // clang-format off
 namespace stiffront {{
 
-/// Highest order and largest number of sweeps the tables hold.
+/// Highest order the tables hold.
 inline constexpr int sbdf_max_order = {};
-inline constexpr int sbdf_max_sweeps = {};
+/// Numbers of sweeps the tables hold, ascending.
+inline constexpr std::array sbdf_sweep_counts{{{}}};
+inline constexpr int sbdf_max_sweeps = sbdf_sweep_counts.back();
 
 namespace sbdf_tables {{
 
-/// z_limit[order - 1][sweeps - 1]: largest dt * rho, rho: spectral radius of a species' diffusion.
-inline constexpr std::array<std::array<double, sbdf_max_sweeps>, sbdf_max_order> z_limit = {{{{
+/// z_limit[order - 1][n]: largest dt * rho, rho: spectral radius of a species' diffusion.
+inline constexpr std::array<std::array<double, sbdf_sweep_counts.size()>, sbdf_max_order> z_limit = {{{{
 )",
-             highest_order, most_sweeps);
-  for (const auto& row : entries) {
+             highest_order, counts);
+  std::vector<std::vector<Entry>> entries;
+  for (int order = 1; order <= highest_order; ++order) {
+    const Band band(order);
+    auto& row = entries.emplace_back();
+    for (int sweeps : sweep_counts) row.push_back(make_entry(order, sweeps, band));
     fmt::print("    {{{{");
     for (std::size_t s = 0; s < row.size(); ++s) fmt::print("{}{:.4f}", s == 0 ? "" : ", ", row[s].z);
     fmt::print("}}}},\n");
+    std::fflush(stdout);
   }
   fmt::print(R"(}}}};
 
-/// shifts[order - 1][sweeps - 1][j]: shift of sweep j in units of half the spectral radius of the species
-/// (the diagonal of -D lap for the three-point stencil); entries past the last sweep are zero.
-inline constexpr std::array<std::array<std::array<double, sbdf_max_sweeps>, sbdf_max_sweeps>, sbdf_max_order> shifts = {{{{
-)");
+/// shifts[order - 1]: the shifts of all numbers of sweeps one after the other, those of one in the order of the sweeps,
+/// in units of half the spectral radius of the species (the diagonal of -D lap for the three-point stencil).
+inline constexpr std::array<std::array<double, {}>, sbdf_max_order> shifts = {{{{
+)",
+             std::accumulate(sweep_counts.begin(), sweep_counts.end(), 0));
   for (const auto& row : entries) {
     fmt::print("    {{{{\n");
     for (const Entry& entry : row) {
-      fmt::print("        {{");
       for (std::size_t j = 0; j < entry.shifts.size(); ++j) {
-        fmt::print("{}{:.6f}", j == 0 ? "" : ", ", entry.shifts[j]);
+        fmt::print("{}{:.6f},{}", j % 12 == 0 ? "        " : " ", entry.shifts[j],
+                   j % 12 == 11 || j + 1 == entry.shifts.size() ? "\n" : "");
       }
-      fmt::print("}},\n");
     }
     fmt::print("    }}}},\n");
   }
   fmt::print(R"(}}}};
 
+/// Place of a number of sweeps among sbdf_sweep_counts. @throws std::out_of_range if it is not there
+constexpr std::size_t place_of(int sweeps) {{
+  const auto* const found = std::find(sbdf_sweep_counts.begin(), sbdf_sweep_counts.end(), sweeps);
+  if (found == sbdf_sweep_counts.end()) throw std::out_of_range("sbdf tables: number of sweeps");
+  return static_cast<std::size_t>(found - sbdf_sweep_counts.begin());
+}}
+
 }}  // namespace sbdf_tables
 
 /// Largest dt * rho at which SBDF(order) with this many sweeps damps every mode of a step by {:.0f} % or more, for equal
 /// steps and real non-positive reaction eigenvalues; rho is the largest of the species' spectral radii of diffusion.
-/// Multiply by sbdf_z_safety(order) before use. order in 1..sbdf_max_order, sweeps in 1..sbdf_max_sweeps.
+/// Multiply by sbdf_z_safety(order) before use. order in 1..sbdf_max_order, sweeps one of sbdf_sweep_counts.
 /// @throws std::out_of_range outside of the table
 /// @see stiffront/control/sbdf_stability.hpp, docs/sbdf-stability.md
 constexpr double sbdf_z_limit(int order, int sweeps) {{
-  return sbdf_tables::z_limit.at(static_cast<std::size_t>(order - 1)).at(static_cast<std::size_t>(sweeps - 1));
+  return sbdf_tables::z_limit.at(static_cast<std::size_t>(order - 1)).at(sbdf_tables::place_of(sweeps));
 }}
 
 /// The part of sbdf_z_limit to use: 0.7 for orders 1 and 2, 0.9 for orders 3 to 5.
@@ -338,17 +428,19 @@ constexpr double sbdf_z_limit(int order, int sweeps) {{
 /// degrees at order 2); 0.9 leaves 76 degrees at order 3 (0.8 all of its 86) and the full sector of orders 4 and 5.
 constexpr double sbdf_z_safety(int order) {{ return order <= 2 ? 0.7 : 0.9; }}
 
-/// The shifts g_1 = 0, g_2, ..., g_sweeps in the order of the sweeps, each in units of half the spectral radius of the
-/// species' own diffusion. Valid for every dt * rho <= sbdf_z_limit(order, sweeps).
+/// The shifts in the order of the sweeps, each in units of half the spectral radius of the species' own diffusion; one of
+/// them is 0, the first if there are at most {} sweeps. Valid for every dt * rho <= sbdf_z_limit(order, sweeps).
 /// @throws std::out_of_range outside of the table
 constexpr std::span<const double> sbdf_shifts(int order, int sweeps) {{
-  const auto& row = sbdf_tables::shifts.at(static_cast<std::size_t>(order - 1)).at(static_cast<std::size_t>(sweeps - 1));
-  return std::span<const double>(row).first(static_cast<std::size_t>(sweeps));
+  const auto& row = sbdf_tables::shifts.at(static_cast<std::size_t>(order - 1));
+  std::size_t first = 0;
+  for (std::size_t n = sbdf_tables::place_of(sweeps); n > 0; --n) first += static_cast<std::size_t>(sbdf_sweep_counts[n - 1]);
+  return std::span<const double>(row).subspan(first, static_cast<std::size_t>(sweeps));
 }}
 
 }}  // namespace stiffront
 )",
-             100 * (1 - damping));
+             100 * (1 - damping), dense_up_to);
 }
 
 }  // namespace

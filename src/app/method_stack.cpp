@@ -173,13 +173,10 @@ void MethodStack::make(const Case&, const CvodeOptions& o, Problem& problem) {
 void MethodStack::make(const Case&, const AutoOptions& o, Problem& problem) {
   // Fixed constants only: the choice, and with it every bit, is the same on every machine. Measured over the built-in models, sbdf is the
   // fastest method at every tolerance; its global error exceeds the tolerance per step by the accumulation over the run, for which a
-  // factor of three is kept. Where diffusion limits the steps they cost a dozen sweeps each.
+  // factor of three is kept.
   stiffront::SbdfOptions k;
   k.relative_tolerance = 0.3 * o.tolerance;
-  const Case& c = problem.options;
-  const double floor = problem.diffusion.spectral_radius() * (c.time.end - c.time.start) /
-                       (sbdf_z_safety(3) * sbdf_z_limit(3, sbdf_max_sweeps));
-  choice_ = fmt::format("method auto: sbdf with relative_tolerance = {:.3g}; diffusion asks for at least {:.0f} steps", k.relative_tolerance, floor);
+  choice_ = fmt::format("method auto: sbdf with relative_tolerance = {:.3g}", k.relative_tolerance);
   method_ = std::make_unique<Sbdf>(problem.state, problem.rhs, *problem.model, std::move(k));
 }
 

@@ -309,6 +309,7 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   progress_line.interrupt();
   output.flush();
 
+  summary.note = stack.method().closing_note();
   summary.title = c.title;
   summary.model = c.model.name;
   summary.method = method_name(c.method);
@@ -333,7 +334,9 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   });
   if (failure) throw *failure;
   if (!speaks) return;
-  if (!observer.note.empty()) fmt::print("note: {}\n", observer.note);
+  for (const std::string& note : {observer.note, summary.note}) {
+    if (!note.empty()) fmt::print("note: {}\n", note);
+  }
   print_closing(summary, directory.path());
 }
 

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "stiffront/control/sbdf_stability.hpp"
@@ -16,6 +19,17 @@ namespace {
 
 /// The largest step at this order and number of sweeps times the spectral radius.
 double usable_z(int order, int sweeps) { return sbdf_z_safety(order) * sbdf_z_limit(order, sweeps); }
+
+/// Parts of the diffusion in the matrices of the Newton iterations on a line. The fourth-order operator is 1 to 4/3
+/// times the second-order one, and these leave at most 1/45 of the predictor's error in any mode: less than BDF5 bears.
+std::span<const double> line_factors(int space_order) {
+  static constexpr std::array<double, 2> factors{1.0, 1.25};
+  return std::span<const double>(factors).first(space_order == 2 ? 1 : 2);
+}
+
+/// What such an iteration costs in sweeps (measured; see docs/sbdf.md). Constants, so that the choice is the same
+/// everywhere.
+double line_cost(int n_species) { return n_species == 1 ? 5.0 : 6.0 + 3.0 * n_species; }
 
 SbdfOptions checked(SbdfOptions o, int n_species) {
   if (!(o.relative_tolerance > 0.0)) {
@@ -53,6 +67,7 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
       diffusion_(&rhs.diffusion()),
       comm_(&shape.comm()),
       options_(checked(std::move(options), shape.n_species())),
+      model_(&model),
       kernel_(model.make_sbdf()),
       halo_(shape.decomposition(), diffusion_->boundary(), shape.n_species(), 1, diffusion_->halo_width(),
             diffusion_->diffusing_species()),
@@ -91,32 +106,48 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
   }
 }
 
-int Sbdf::sweeps_for(int order, double dt) const {
-  int s = 1;
-  while (s < options_.max_sweeps && usable_z(order, s) < dt * rho_) ++s;
-  return s;
+Sbdf::Treatment Sbdf::treatment(int order, double dt) const {
+  Treatment best;
+  for (int s : sbdf_sweep_counts) {
+    if (s > options_.max_sweeps) break;
+    best = {s, static_cast<double>(s)};
+    if (usable_z(order, s) >= dt * rho_) break;
+  }
+  if (diffusion_->dimension() == 1) {
+    const double passes = static_cast<double>(line_factors(diffusion_->order()).size());
+    const double cost = passes * line_cost(diffusion_->n_species());
+    if (cost < best.cost || usable_z(order, best.sweeps) < dt * rho_) best = {0, cost};
+  }
+  return best;
 }
 
 double Sbdf::cap_step(int order, double dt) const {
   // Largest step per cost; a step costs its sweeps and the work on the history.
+  const double overhead = 0.6 + 0.1 * order;
   double best = 0.0;
   double best_dt = std::min(dt, usable_z(order, 1) / rho_);
-  for (int s = 1; s <= options_.max_sweeps; ++s) {
-    const double h = std::min(dt, usable_z(order, s) / rho_);
-    const double rate = h / (s + 0.6 + 0.1 * order);
+  const auto consider = [&](double h, double cost) {
+    const double rate = h / (cost + overhead);
     if (rate > best) {
       best = rate;
       best_dt = h;
     }
+  };
+  for (int s : sbdf_sweep_counts) {
+    if (s > options_.max_sweeps) break;
+    const double h = std::min(dt, usable_z(order, s) / rho_);
+    consider(h, s);
     if (h == dt) break;
   }
+  const Treatment whole = treatment(order, dt);
+  if (whole.sweeps == 0) consider(dt, whole.cost);
   return best_dt;
 }
 
 Sbdf::Step Sbdf::plan(double dt) const {
   Step step;
   step.order = control_.order();
-  step.sweeps = sweeps_for(step.order, dt);
+  step.sweeps = treatment(step.order, dt).sweeps;
   if (states_ == 1) {
     // u + dt F(u): the error of the first implicit Euler step is half of its difference to the explicit one.
     step.points = 2;
@@ -145,7 +176,11 @@ Sbdf::Step Sbdf::plan(double dt) const {
       std::copy(lower.predictor.begin(), lower.predictor.end(), step.lower.begin());
       step.lower_factor = lower.gamma * dt / (back - steps[k]);
     }
-    if (step.order < options_.max_order && states_ >= k + 2) {
+    if (control_.wants_second_order()) {
+      const auto second = sbdf_stability::step_weights(2, steps);
+      std::copy(second.predictor.begin(), second.predictor.end(), step.upper.begin());
+      step.second_factor = second.gamma * dt / (steps[0] + steps[1] + steps[2]);
+    } else if (step.order < control_.highest_order() && states_ >= k + 2) {
       const auto upper = sbdf_stability::step_weights(step.order + 1, steps);
       std::copy(upper.predictor.begin(), upper.predictor.end(), step.upper.begin());
       step.upper_factor = upper.gamma * dt / (back + steps[k + 1]);
@@ -240,6 +275,18 @@ void Sbdf::sweep(const Step& step, double t_new, const Field& v, Field& out, dou
   for (const FreeBox& edge : edges_) kernel_->sweep(*diffusion_, sweep, edge);
 }
 
+void Sbdf::iterate_line(const Step& step, double t_new, const Field& v, Field& out, double c) {
+  if (!line_) line_ = model_->make_sbdf_line(v.decomposition());
+  SbdfSweep sweep;
+  sweep.t = t_new;
+  sweep.gamma = step.gamma;
+  sweep.v = &v;
+  sweep.r = &right_side_;
+  sweep.out = &out;
+  halo_.finish();
+  line_->iterate(*diffusion_, sweep, c, free_);
+}
+
 Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
   Attempt attempt;
   attempt.iterations = control_.order();
@@ -255,22 +302,25 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   if (boundary.has_dirichlet()) {
     boundary.impose(predictor_, t_new);
     boundary.impose(u_new, t_new);
-    if (step.sweeps > 1) boundary.impose(work_, t_new);
+    if (step.sweeps != 1) boundary.impose(work_, t_new);
   }
 
-  const auto shifts = sbdf_shifts(step.order, step.sweeps);
+  const bool on_line = step.sweeps == 0;
+  const auto shifts = on_line ? line_factors(diffusion_->order()) : sbdf_shifts(step.order, step.sweeps);
+  const auto passes = static_cast<int>(shifts.size());
   Field* v = &predictor_;
-  for (int j = 0; j < step.sweeps; ++j) {
-    Field* out = (step.sweeps - 1 - j) % 2 == 0 ? &u_new : &work_;
+  for (int j = 0; j < passes; ++j) {
+    Field* out = (passes - 1 - j) % 2 == 0 ? &u_new : &work_;
     Field* const exchanged = v;
     halo_.begin(std::span<Field* const>(&exchanged, 1));
-    sweep(step, t_new, *v, *out, shifts[static_cast<std::size_t>(j)]);
+    const double shift = shifts[static_cast<std::size_t>(j)];
+    on_line ? iterate_line(step, t_new, *v, *out, shift) : sweep(step, t_new, *v, *out, shift);
     v = out;
   }
   const auto cells = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
-  attempt.work.sweeps = step.sweeps;
-  attempt.work.halo_exchanges = step.sweeps;
-  attempt.work.reaction_rhs = attempt.work.reaction_jacobians = cells * step.sweeps;
+  (on_line ? attempt.work.line_solves : attempt.work.sweeps) = passes;
+  attempt.work.halo_exchanges = passes;
+  attempt.work.reaction_rhs = attempt.work.reaction_jacobians = cells * passes;
 
   const BdfTolerances tolerances{options_.relative_tolerance, absolute_};
   BdfErrors errors;
@@ -288,6 +338,7 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
     comm_->agree(agreement_);
     if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
     if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);
+    if (step.second_factor > 0.0) errors.second = step.second_factor * norm(agreement_.sums[2]);
   } else {
     bdf_add_difference(u_new, predictor_, tolerances, free_, agreement_.sums[0]);
     comm_->agree(agreement_);
@@ -309,7 +360,21 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
     return attempt;
   }
   if (step.tests_order) update_tolerances(agreement_.maxima);
-  attempt.dt_next = control_.accepted(dt, errors, [this](int order, double wanted) { return cap_step(order, wanted); });
+  bool is_limited = false;
+  const bool avoided_ringing = control_.avoids_ringing();
+  attempt.dt_next = control_.accepted(dt, errors, [&](int order, double wanted) {
+    const double cap = cap_step(order, wanted);
+    if (std::isfinite(wanted)) is_limited = cap < 0.7 * wanted && cap < 1.2 * dt;
+    return cap;
+  });
+  ++accepted_;
+  if (is_limited) ++limited_;
+  if (control_.avoids_ringing()) {
+    ++low_order_;
+    if (!avoided_ringing) {
+      attempt.reason = "orders above 2 are given up for a while: a fast damped oscillation makes them unstable";
+    }
+  }
   return attempt;
 }
 
@@ -328,6 +393,24 @@ void Sbdf::restart(double t) {
   states_ = 1;
   has_slope_ = false;
   control_.restart();
+}
+
+std::string Sbdf::closing_note() const {
+  std::string note;
+  if (10 * limited_ >= accepted_ && limited_ > 0) {
+    note = fmt::format(
+        "diffusion limited {} of {} steps: the tolerance would allow longer ones, but the sweeps they need would cost more "
+        "than they save{}",
+        limited_, accepted_,
+        options_.max_sweeps < sbdf_max_sweeps
+            ? fmt::format(" or are more than method.max_sweeps = {}", options_.max_sweeps)
+            : std::string("; a coarser grid, if it resolves the solution, is the remedy"));
+  }
+  if (low_order_ > 0) {
+    note += fmt::format("{}{} of {} steps were made at order 2 since a fast damped oscillation makes higher orders unstable",
+                        note.empty() ? "" : "; ", low_order_, accepted_);
+  }
+  return note;
 }
 
 void Sbdf::visit_state(StateVisitor& visitor) {

@@ -60,6 +60,7 @@ std::string summary_json(const Summary& s) {
   j["schema"] = 1;
   j["status"] = s.status;
   if (!s.reason.empty()) j["reason"] = s.reason;
+  if (!s.note.empty()) j["note"] = s.note;
   if (!s.title.empty()) j["title"] = s.title;
   j["model"] = s.model;
   j["method"] = s.method;

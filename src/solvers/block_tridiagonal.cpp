@@ -83,14 +83,29 @@ void EdgeMessages::exchange(const Level& level, bool odd_sends, int width) {
     const auto leftwards = static_cast<int>(sends == (side == 0));
     const auto request = static_cast<std::size_t>(n++);
     if (sends) {
-      check_mpi(MPI_Isend(out_[side].data(), width, MPI_DOUBLE, edge.partner, leftwards, comm_->get(), &requests[request]),
-                "MPI_Isend");
+      check_mpi(
+          MPI_Isend(out_[side].data(), width, MPI_DOUBLE, edge.partner, leftwards, comm_->get(), &requests[request]),
+          "MPI_Isend");
     } else {
-      check_mpi(MPI_Irecv(in_[side].data(), width, MPI_DOUBLE, edge.partner, leftwards, comm_->get(), &requests[request]),
-                "MPI_Irecv");
+      check_mpi(
+          MPI_Irecv(in_[side].data(), width, MPI_DOUBLE, edge.partner, leftwards, comm_->get(), &requests[request]),
+          "MPI_Irecv");
     }
   }
   if (n > 0) check_mpi(MPI_Waitall(n, requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
 }
 
 }  // namespace stiffront::block_tridiagonal
+
+namespace stiffront {
+
+template class BlockTridiagonal<1>;
+template class BlockTridiagonal<2>;
+template class BlockTridiagonal<3>;
+template class BlockTridiagonal<4>;
+template class BlockTridiagonal<5>;
+template class BlockTridiagonal<6>;
+template class BlockTridiagonal<7>;
+template class BlockTridiagonal<8>;
+
+}  // namespace stiffront

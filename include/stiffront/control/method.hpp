@@ -84,6 +84,9 @@ class Method {
   /// Whether after a step cut short (to hit an output time or the end) the size planned before may be taken up again at once.
   virtual bool resumes_after_short_step() const { return true; }
 
+  /// What the user should know of the whole run, in one sentence; empty if nothing.
+  virtual std::string closing_note() const { return {}; }
+
   virtual void visit_state(StateVisitor& visitor) { static_cast<void>(visitor); }
 };
 

@@ -3,11 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "stiffront/control/bdf_control.hpp"
 #include "stiffront/control/bdf_history.hpp"
 #include "stiffront/control/method.hpp"
+#include "stiffront/control/sbdf_tables.hpp"
 #include "stiffront/mesh/halo_exchange.hpp"
 #include "stiffront/solvers/model_kernels.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
@@ -20,7 +22,7 @@ struct SbdfOptions {
   double relative_tolerance = 1e-4;
   std::vector<double> absolute_tolerance;  ///< one per species, or one for all, or none: see Sbdf
   int max_order = 5;                       ///< 1 .. 5
-  int max_sweeps = 12;                     ///< 1 .. sbdf_max_sweeps
+  int max_sweeps = sbdf_max_sweeps;        ///< 1 .. sbdf_max_sweeps; steps are shortened to need no more
   double initial_step = 0.0;               ///< 0: automatic
 };
 
@@ -30,15 +32,17 @@ struct SbdfOptions {
 /// The predictor extrapolates through k+1 earlier states. Each of s sweeps evaluates the whole right-hand side at the
 /// last iterate and makes one linearly implicit correction per cell, damped by a shift that stands for the diffusion
 /// (solvers/sbdf_kernel.hpp); the shifts make the s sweeps a polynomial that is small on the whole spectrum of the
-/// diffusion. s is the smallest number that keeps the step stable (control/sbdf_tables.hpp). The error estimate is the
-/// difference to the predictor.
+/// diffusion. s is the smallest number that keeps the step stable (control/sbdf_tables.hpp). In one dimension a Newton
+/// iteration that couples all cells (solvers/sbdf_line.hpp) takes the place of the sweeps where these would cost more.
+/// The error estimate is the difference to the predictor.
 ///
 /// Without absolute tolerances those of a species are relative_tolerance times the largest of: a thousandth of its
 /// largest modulus, a tenth of the smaller of its largest positive and negative values (a species that changes sign is
 /// not resolved about zero), a millionth of the largest modulus of any species. The moduli are those of the initial and
 /// of all later states.
 ///
-/// @mpi    One halo exchange per sweep (diffusing species only), one agreement per step attempt.
+/// @mpi    One halo exchange per sweep (diffusing species only), one agreement per step attempt; the messages of
+/// BlockTridiagonal in a step that couples all cells.
 /// @cost   per sweep and cell: one evaluation of rates and Jacobian, one m x m solve; 5 + max_order fields of memory
 /// @see    docs/sbdf.md; Hagstrom & Zhou, Commun. Appl. Math. Comput. Sci. 1(1), 2006, section 5 (the splitting of the
 /// Jacobian)
@@ -54,6 +58,7 @@ class Sbdf final : public Method {
   void accept(Field& u, Field& u_new) override;
   void restart(double t) override;
   void visit_state(StateVisitor& visitor) override;
+  std::string closing_note() const override;
 
   int order() const { return control_.order(); }
 
@@ -61,7 +66,7 @@ class Sbdf final : public Method {
   /// What a step is made of, fixed before the first sweep.
   struct Step {
     int order = 1;
-    int sweeps = 1;
+    int sweeps = 1;             ///< 0: Newton iterations on the line
     std::size_t points = 1;  ///< of the predictor
     double gamma = 0.0;
     double error_factor = 0.0;  ///< local error per difference to the predictor
@@ -70,11 +75,17 @@ class Sbdf final : public Method {
     bool tests_order = false;
     double lower_factor = 0.0;
     double upper_factor = 0.0;
+    double second_factor = 0.0;  ///< of order 2, whose predictor then is in the place of the upper one
     BdfWeights lower{};
     BdfWeights upper{};
   };
 
-  int sweeps_for(int order, double dt) const;
+  /// How a step deals with diffusion, and at what price in sweeps.
+  struct Treatment {
+    int sweeps = 0;  ///< 0: Newton iterations on the line
+    double cost = 0.0;
+  };
+  Treatment treatment(int order, double dt) const;
   double cap_step(int order, double dt) const;
   Step plan(double dt) const;
   void gather_states(const Field& u);
@@ -82,6 +93,7 @@ class Sbdf final : public Method {
   void update_tolerances(std::span<const double> extremes);
   double norm(const ReproducibleSum& sum) const;
   void sweep(const Step& step, double t_new, const Field& v, Field& out, double shift);
+  void iterate_line(const Step& step, double t_new, const Field& v, Field& out, double c);
   Field& ring(std::size_t i) { return history_[(newest_ + i) % history_.size()]; }
   const Field& ring(std::size_t i) const { return history_[(newest_ + i) % history_.size()]; }
 
@@ -89,7 +101,9 @@ class Sbdf final : public Method {
   const DiffusionOperator* diffusion_;
   const Communicator* comm_;
   SbdfOptions options_;
+  const ModelKernels* model_;
   std::unique_ptr<SbdfKernel> kernel_;
+  std::unique_ptr<SbdfLine> line_;  ///< made when it is first needed
   HaloExchange halo_;
   FreeBox free_;
   FreeBox interior_;
@@ -114,6 +128,10 @@ class Sbdf final : public Method {
   Agreement agreement_;
   std::array<const Field*, bdf_max_points> pointers_{};
   double attempted_dt_ = 0.0;
+
+  std::int64_t accepted_ = 0;  ///< steps of this run, and those of them that diffusion kept from being longer
+  std::int64_t limited_ = 0;
+  std::int64_t low_order_ = 0;  ///< made at order 2 or below since higher ones would have rung
 };
 
 }  // namespace stiffront

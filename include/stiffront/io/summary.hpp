@@ -14,6 +14,7 @@ namespace stiffront {
 struct Summary {
   std::string status;           ///< "done", "stopped", or the kind of failure
   std::string reason;           ///< the error or stop in one sentence; left out if empty
+  std::string note;             ///< what the method has to say about the run; left out if empty
   std::string title;            ///< left out if empty
   std::string model;
   std::string method;

@@ -486,4 +486,14 @@ void BlockTridiagonal<m>::substitute(std::size_t l) {
   }
 }
 
+// Compiled once, in block_tridiagonal.cpp.
+extern template class BlockTridiagonal<1>;
+extern template class BlockTridiagonal<2>;
+extern template class BlockTridiagonal<3>;
+extern template class BlockTridiagonal<4>;
+extern template class BlockTridiagonal<5>;
+extern template class BlockTridiagonal<6>;
+extern template class BlockTridiagonal<7>;
+extern template class BlockTridiagonal<8>;
+
 }  // namespace stiffront

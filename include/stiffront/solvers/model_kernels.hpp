@@ -13,6 +13,7 @@
 #include "stiffront/model/reaction_term.hpp"
 #include "stiffront/solvers/radau5.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
+#include "stiffront/solvers/sbdf_line.hpp"
 #include "stiffront/solvers/spectral_bound.hpp"
 #include "stiffront/space/laplacian.hpp"
 
@@ -29,6 +30,8 @@ class ModelKernels : public ReactionTerm {
   virtual std::unique_ptr<ReactionSolver> make_radau5(const CellTolerances& tolerances) const = 0;
   /// The sweeps of the method sbdf.
   virtual std::unique_ptr<SbdfKernel> make_sbdf() const = 0;
+  /// Its Newton iterations on lines. @pre the grid has one dimension
+  virtual std::unique_ptr<SbdfLine> make_sbdf_line(const Decomposition& decomposition) const = 0;
 };
 
 template <Model M>
@@ -57,6 +60,9 @@ class ModelKernelsOf final : public ModelKernels {
   }
 
   std::unique_ptr<SbdfKernel> make_sbdf() const override { return std::make_unique<SbdfKernelOf<M>>(model_); }
+  std::unique_ptr<SbdfLine> make_sbdf_line(const Decomposition& decomposition) const override {
+    return std::make_unique<SbdfLineOf<M>>(model_, decomposition);
+  }
 
   void initialise(const std::string& profile, Field& u) const override {
     for (const Profile<M>& p : M::profiles) {
