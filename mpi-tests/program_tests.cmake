@@ -39,5 +39,7 @@ restart_test(dcs bz-1d 11 method.name=dcs method.tolerance=1e-5 time.end=2e-3)
 
 same_bits_test(sbdf-1d bz-1d "${lines}" method.name=sbdf method.relative_tolerance=1e-4 time.end=0.02)
 same_bits_test(sbdf-2d bz-2d-spiral "${boxes}" "grid.points=[67, 61]" method.name=sbdf method.relative_tolerance=1e-4 time.end=0.02)
+same_bits_test(sbdf-custom ../../mpi-tests/driven_custom "${boxes}")
+same_bits_test(adaptive-strang-custom ../../mpi-tests/driven_custom "${boxes}" method.name=adaptive-strang time.end=0.02)
 same_bits_test(cvode bz-1d "${lines}" method.name=cvode time.end=0.01)
 restart_test(sbdf bz-1d 37 method.name=sbdf method.relative_tolerance=1e-4 time.end=0.02)

@@ -316,9 +316,18 @@ ExpressionProgram::ExpressionProgram(const ExpressionGraph& graph, const std::ve
     }
     instructions_.push_back(instruction);
   }
+  std::map<Node, std::uint16_t> constant_register;
   for (Node output : outputs) {
-    const bool is_constant = graph.is_constant(output);
-    outputs_.push_back(is_constant ? Output{-1, graph.data(output).value} : Output{register_of.at(output), 0.0});
+    if (!graph.is_constant(output)) {
+      outputs_.push_back(narrow(static_cast<std::size_t>(register_of.at(output))));
+      continue;
+    }
+    const auto [place, fresh] = constant_register.try_emplace(output, narrow(static_cast<std::size_t>(n_registers_)));
+    if (fresh) {
+      constant_outputs_.push_back({place->second, graph.data(output).value});
+      ++n_registers_;
+    }
+    outputs_.push_back(place->second);
   }
 }
 

@@ -98,7 +98,7 @@ void ExpressionProgram::run(T* registers) const {
 
 template void ExpressionProgram::run<double, 1>(double*) const;
 template void ExpressionProgram::run<Pack, 1>(Pack*) const;
-template void ExpressionProgram::run<Pack, 4>(Pack*) const;
+template void ExpressionProgram::run<Pack, 3>(Pack*) const;
 template void ExpressionProgram::run<Pack, 8>(Pack*) const;
 
 }  // namespace stiffront

@@ -178,10 +178,27 @@ TEST(ExpressionModelTest, BitsDependNeitherOnLanesNorOnCompany) {
       rates_and_jacobian(custom, alone, du, jacobian, places[p]);
       const auto same_bits = [](double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; };
       for (int i = 0; i < 4; ++i) {
-        EXPECT_TRUE(same_bits(together.rate(i, p)[l], du[i][0])) << p << ", " << l << ", " << i;
-        for (int j = 0; j < 4; ++j) EXPECT_TRUE(same_bits(together.jacobian(i, j, p)[l], jacobian[i][j][0])) << p << ", " << l;
+        EXPECT_TRUE(same_bits(together.values(p).output(i)[l], du[i][0])) << p << ", " << l << ", " << i;
+        for (int j = 0; j < 4; ++j) EXPECT_TRUE(same_bits(together.values(p).output(4 + 4 * i + j)[l], jacobian[i][j][0])) << p << ", " << l;
       }
     }
+  }
+}
+
+TEST(ExpressionModelTest, RatesOfSeveralPacksHaveTheBitsOfEach) {
+  const ExpressionModel<4> custom = custom_zoo();
+  std::mt19937_64 engine(5);
+  Pack u[3][4], together[3][4];
+  Place<Pack> places[3];
+  for (int p = 0; p < 3; ++p) {
+    next_zoo(engine, u[p]);
+    places[p] = {Pack(0.1 * p), Pack(0.2 * p), Pack(1.0 - 0.1 * p)};
+  }
+  custom.rates_of_several<3>(u, together, places);
+  for (int p = 0; p < 3; ++p) {
+    Pack alone[4];
+    custom.rates(u[p], alone, places[p]);
+    EXPECT_EQ(std::memcmp(alone, together[p], sizeof alone), 0) << p;
   }
 }
 

@@ -84,6 +84,20 @@ class ExpressionModel {
     }
   }
 
+  /// The rates of n packs of cells in one go.
+  template <int n>
+  void rates_of_several(const Pack (*u)[M], Pack (*du)[M], const Place<Pack>* places) const {
+    ExpressionProgram::Frame<Pack, n> frame(programs_->rates);
+    for (int p = 0; p < n; ++p) {
+      for (int s = 0; s < M; ++s) frame.input(s, p) = u[p][s];
+      if (programs_->need_place) set_place(frame, p, places[p]);
+    }
+    frame.run();
+    for (int p = 0; p < n; ++p) {
+      for (int s = 0; s < M; ++s) du[p][s] = frame.output(s, p);
+    }
+  }
+
   template <class T>
   void rates_and_jacobian(const T* u, T* du, T (*jacobian)[M], const Place<T>& place) const {
     Evaluation<T, 1> evaluation(*this);
@@ -109,8 +123,11 @@ class ExpressionModel {
       }
       frame_.run();
     }
-    T rate(int i, int p = 0) const { return frame_.output(i, p); }
-    T jacobian(int i, int j, int p = 0) const { return frame_.output(M + i * M + j, p); }
+    T rate(int i) const { return frame_.output(i); }
+    T jacobian(int i, int j) const { return frame_.output(M + i * M + j); }
+    /// Of one of the n: input(s) is the state, outputs are the rates and then the Jacobian row by row.
+    auto values(int p) const { return frame_.values(p); }
+    bool needs_places() const { return programs_.need_place; }
 
    private:
     const Programs& programs_;

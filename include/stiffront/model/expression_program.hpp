@@ -46,9 +46,9 @@ class ExpressionProgram {
   /// same places in the cache.
   static constexpr int few_registers = 136;
 
-  /// An output that is a constant has no register.
-  struct Output {
-    int register_number;
+  /// An output that is a constant: nothing else is ever written to its register.
+  struct ConstantOutput {
+    std::uint16_t register_number;
     double value;
   };
 
@@ -59,11 +59,13 @@ class ExpressionProgram {
   std::vector<Instruction> instructions_;
   std::vector<double> constants_;
   std::vector<bool> uses_input_;
-  std::vector<Output> outputs_;
+  std::vector<std::uint16_t> outputs_;  ///< their registers
+  std::vector<ConstantOutput> constant_outputs_;
   int n_registers_ = 0;
 };
 
-/// One evaluation of a program for n_together cells (T = double) or packs of cells (T = Pack): set the inputs, run, read the outputs.
+/// Evaluations of a program for n_together cells (T = double) or packs of cells (T = Pack): set the inputs, run, read the outputs; again
+/// and again if need be. Inputs stay as they were set.
 template <class T, int n_together>
 class ExpressionProgram::Frame {
  public:
@@ -72,6 +74,9 @@ class ExpressionProgram::Frame {
       many_ = std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(program.n_registers_) * n_together);
       registers_ = many_.get();
       distance_ = program.n_registers_;
+    }
+    for (const ConstantOutput& output : program.constant_outputs_) {
+      for (int i = 0; i < n_together; ++i) registers_[i * distance_ + output.register_number] = T(output.value);
     }
   }
   Frame(const Frame&) = delete;
@@ -85,10 +90,20 @@ class ExpressionProgram::Frame {
       for (int i = 0; i < n_together; ++i) program_.run<T, 1>(registers_ + i * distance_);
     }
   }
-  T output(int k, int i = 0) const {
-    const Output& output = program_.outputs_[static_cast<std::size_t>(k)];
-    return output.register_number < 0 ? T(output.value) : registers_[i * distance_ + output.register_number];
-  }
+  T output(int k, int i = 0) const { return values(i).output(k); }
+
+  /// Inputs and outputs of one of the cells or packs, without the way through the frame: for the innermost loops.
+  class Values {
+   public:
+    Values(const T* registers, const std::uint16_t* outputs) : registers_(registers), outputs_(outputs) {}
+    T input(int k) const { return registers_[k]; }
+    T output(int k) const { return registers_[outputs_[k]]; }
+
+   private:
+    const T* registers_;
+    const std::uint16_t* outputs_;
+  };
+  Values values(int i) const { return {registers_ + i * distance_, program_.outputs_.data()}; }
 
  private:
   const ExpressionProgram& program_;

@@ -126,8 +126,7 @@ template <bool from_zero, bool exchanges, class M, class T>
     T d[3][m];
     {
       T stage[3][m];
-      for (int i = 0; i < 3; ++i) {
-        T v[m];
+      const auto state_of = [&](int i, T* v) {
         for (int s = 0; s < m; ++s) {
           if (from_zero && k == 1) {
             v[s] = u[s];
@@ -137,7 +136,20 @@ template <bool from_zero, bool exchanges, class M, class T>
             v[s] = u[s] + mul_add(T(tab::t[i][0]), r.w[0][s], mul_add(T(tab::t[i][1]), r.w[1][s], T(tab::t[i][2]) * r.w[2][s]));
           }
         }
-        model.rates(v, stage[i], Place<T>{mul_add(T(tab::c[i]), h, place.t), place.x, place.y});
+      };
+      const auto place_of = [&](int i) { return Place<T>{mul_add(T(tab::c[i]), h, place.t), place.x, place.y}; };
+      // An interpreted model looks its instructions up once for all three stages.
+      if constexpr (requires(T (*v)[m], const Place<T>* places) { model.template rates_of_several<3>(v, v, places); }) {
+        T v[3][m];
+        for (int i = 0; i < 3; ++i) state_of(i, v[i]);
+        const Place<T> places[3] = {place_of(0), place_of(1), place_of(2)};
+        model.template rates_of_several<3>(v, stage, places);
+      } else {
+        for (int i = 0; i < 3; ++i) {
+          T v[m];
+          state_of(i, v);
+          model.rates(v, stage[i], place_of(i));
+        }
       }
       const T gamma_h = T(tab::gamma) * inverse_h;
       const T alpha_h = T(tab::alpha) * inverse_h;

@@ -117,19 +117,16 @@ class SbdfKernelOf final : public SbdfKernel {
     STIFFRONT_ALWAYS_INLINE Pack rate(int s) const { return of[s].value; }
     STIFFRONT_ALWAYS_INLINE Sparse<Pack> jacobian(int s, int q) const { return of[s].derivative[q]; }
   };
-  /// The same from models that know their derivatives.
-  struct OwnRates {
-    Pack rates[m];
-    Pack dense[m][m];
+  /// The same from an interpreted model.
+  template <class Values>
+  struct InterpretedRates {
+    Values of;
 
-    Pack rate(int s) const { return rates[s]; }
-    Sparse<Pack> jacobian(int s, int q) const { return dense[s][q]; }
+    STIFFRONT_ALWAYS_INLINE Pack rate(int s) const { return of.output(s); }
+    STIFFRONT_ALWAYS_INLINE Sparse<Pack> jacobian(int s, int q) const { return of.output(m + s * m + q); }
   };
-  static constexpr bool knows_derivatives =
-      requires(const M& model, const Pack* u, Pack* du, Pack (*jacobian)[m], const Place<Pack>& place) {
-    model.rates_and_jacobian(u, du, jacobian, place);
-  };
-  using Rates = std::conditional_t<knows_derivatives, OwnRates, DualRates>;
+  /// The instructions of such a model are looked up once for several packs.
+  static constexpr bool is_interpreted = requires { M::packs_together; };
 
   /// n >= pack_size cells. The last pack overlaps the one before: its common cells are computed twice, with the same
   /// bits.
@@ -160,20 +157,10 @@ class SbdfKernelOf final : public SbdfKernel {
       k[s] = diffusion.k_x(s);
       diagonal[s] = 1.0 + 0.5 * sweep.gamma * sweep.shift * diffusion.spectral_radius(s);
     }
-    for (int begin = 0; begin < n; begin += pack_size) {
-      const int i = std::min(begin, n - pack_size);
-      Pack centre[m];
-      Rates reaction;
-      unroll<m>([&](auto s) __attribute__((always_inline)) { centre[s] = Pack::load(v[s] + i); });
-      const Place<Pack> place{time, lower + (Pack(first + i) + lane) * spacing, y};
-      // Called from here, since flatten reaches calls of this function only.
-      if constexpr (knows_derivatives) {
-        model.rates_and_jacobian(centre, reaction.rates, reaction.dense, place);
-      } else {
-        SparseDual<Pack, m> u[m];
-        unroll<m>([&](auto s) __attribute__((always_inline)) { u[s] = SparseDual<Pack, m>::variable(centre[s], s); });
-        model.rates(u, reaction.of, place);
-      }
+    const auto place_of = [&](int i) __attribute__((always_inline)) {
+      return Place<Pack>{time, lower + (Pack(first + i) + lane) * spacing, y};
+    };
+    const auto correct = [&](int i, const Pack* centre, const auto& reaction) __attribute__((always_inline)) {
       Sparse<Pack> a[m][m];
       Sparse<Pack> b[m];
       unroll<m>([&](auto s) __attribute__((always_inline)) {
@@ -193,6 +180,49 @@ class SbdfKernelOf final : public SbdfKernel {
       });
       sparse_cell_solve(a, b);
       unroll<m>([&](auto s) __attribute__((always_inline)) { (centre[s] + b[s].value).store(out[s] + i); });
+    };
+
+    if constexpr (is_interpreted) {
+      // As many packs at a time as there are, or nearly so. Like packs, groups of them may overlap.
+      const auto groups = [&]<int together>(std::integral_constant<int, together>) __attribute__((always_inline)) {
+        typename M::template Evaluation<Pack, together> evaluation(model);
+        Place<Pack> places[together];
+        for (int begin = 0; begin < n; begin += together * pack_size) {
+          const int at = std::min(begin, std::max(0, n - together * pack_size));
+          const auto cell_of = [&](int p) __attribute__((always_inline)) { return std::min(at + p * pack_size, n - pack_size); };
+          for (int p = 0; p < together; ++p) {
+            const int i = cell_of(p);
+            if (evaluation.needs_places()) places[p] = place_of(i);
+            for (int s = 0; s < m; ++s) evaluation.u(s, p) = Pack::load(v[s] + i);
+          }
+          evaluation.run(places);
+          for (int p = 0; p < together; ++p) {
+            const InterpretedRates<decltype(evaluation.values(p))> reaction{evaluation.values(p)};
+            Pack centre[m];
+            unroll<m>([&](auto s) __attribute__((always_inline)) { centre[s] = reaction.of.input(s); });
+            correct(cell_of(p), centre, reaction);
+          }
+        }
+      };
+      if (n > M::packs_together * pack_size / 2) {
+        groups(std::integral_constant<int, M::packs_together>());
+      } else {
+        groups(std::integral_constant<int, 1>());
+      }
+    } else {
+      for (int begin = 0; begin < n; begin += pack_size) {
+        const int i = std::min(begin, n - pack_size);
+        Pack centre[m];
+        SparseDual<Pack, m> u[m];
+        DualRates reaction;
+        unroll<m>([&](auto s) __attribute__((always_inline)) {
+          centre[s] = Pack::load(v[s] + i);
+          u[s] = SparseDual<Pack, m>::variable(centre[s], s);
+        });
+        // Called from here, since flatten reaches calls of this function only.
+        model.rates(u, reaction.of, place_of(i));
+        correct(i, centre, reaction);
+      }
     }
   }
 
