@@ -394,6 +394,8 @@ struct MadeUpRun {
       r.step = k;
       r.t = 0.25 * k;
       r.dt = 0.25;
+      r.begin = r.t;
+      r.end = r.t + r.dt;
       r.attempt.accepted = true;
       Field u = state(r.t);
       Field u_new = state(r.t + r.dt);

@@ -43,6 +43,24 @@ Target next_target(const Schedule& s, double t) {
   return target;
 }
 
+/// A step between two jumps of the data must see neither of their other sides, and whether data written as t < b or t <= b jump before or
+/// behind b is not known: a step begins this much behind a jump and ends so much before the next, a few units in the last place of its time.
+double width_of_jump(const Schedule& s, double t) {
+  return 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(s.start));
+}
+
+bool data_jump_at(const Schedule& s, double t) {
+  const double width = width_of_jump(s, t);
+  const auto here = [&](double time) { return std::abs(time - t) <= width; };
+  if (std::any_of(s.breakpoints.begin(), s.breakpoints.end(), here)) return true;
+  if (!(s.restart_period > 0.0)) return false;
+  const double k = std::round((t - s.start) / s.restart_period);
+  return k >= 1.0 && here(s.start + k * s.restart_period);
+}
+
+/// Where a step from t begins.
+double inside(const Schedule& s, double t) { return data_jump_at(s, t) ? t + width_of_jump(s, t) : t; }
+
 [[noreturn]] void throw_underflow(const StepRecord& r) {
   throw Error(ErrorKind::numerics,
               fmt::format("the step size underflowed at t = {:.17g} (dt = {:.3g}) after {} accepted steps{}{}; loosen the tolerance or "
@@ -63,7 +81,7 @@ double first_step(Method& method, double t, double t_end, Field& u) {
 
 bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progress, Observer& observer) {
   Field u_new = u.similar();
-  if (progress.dt == 0.0) progress.dt = first_step(method, progress.t, schedule.end, u);
+  if (progress.dt == 0.0) progress.dt = first_step(method, inside(schedule, progress.t), schedule.end, u);
   while (progress.t < schedule.end) {
     if (schedule.max_steps > 0 && progress.accepted + progress.rejected >= schedule.max_steps) {
       throw Error(ErrorKind::numerics, fmt::format("limits.max_steps: {} attempts were made and t = {:.17g} is reached, not {:.17g}",
@@ -77,10 +95,15 @@ bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progre
     bool lands = progress.t + 1.01 * progress.dt >= target.t;
     const bool cut = lands && target.t - progress.t < 0.999 * progress.dt;
     record.dt = lands ? target.t - progress.t : progress.dt;
+    record.begin = inside(schedule, progress.t);
+    record.end = lands && target.restarts ? target.t - width_of_jump(schedule, target.t) : progress.t + record.dt;
+    const bool shifted = record.begin != progress.t || record.end != progress.t + record.dt;
+    const double dt = shifted ? record.end - record.begin : record.dt;
     std::uint64_t flags = observer.requests();
-    record.attempt = method.attempt(record.t, record.dt, u, u_new, flags);
-    if (record.attempt.accepted && record.attempt.dt_taken > 0.0 && record.attempt.dt_taken != record.dt) {
+    record.attempt = method.attempt(record.begin, dt, u, u_new, flags);
+    if (record.attempt.accepted && record.attempt.dt_taken > 0.0 && record.attempt.dt_taken != dt) {
       record.dt = record.attempt.dt_taken;
+      record.end = record.begin + record.dt;
       lands = false;
     }
     observer.attempted(record);
@@ -97,7 +120,7 @@ bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progre
       continue;
     }
 
-    const double t_new = lands ? target.t : progress.t + record.dt;
+    const double t_new = lands ? target.t : record.begin + record.dt;
     observer.stepped(record, t_new, u, u_new);
     if (cut && progress.resume_dt == 0.0) progress.resume_dt = progress.dt;
     method.accept(u, u_new);
@@ -111,7 +134,7 @@ bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progre
     if (lands && target.restarts) {
       method.restart(progress.t);
       progress.dt = target.resets_step && schedule.restart_step > 0.0 ? schedule.restart_step
-                                                                     : first_step(method, progress.t, schedule.end, u);
+                                                                     : first_step(method, inside(schedule, progress.t), schedule.end, u);
     }
     if (!observer.carry_on(flags, progress.accepted, progress.t, progress.dt, u)) return progress.t >= schedule.end;
   }

@@ -56,7 +56,7 @@ int Output::stepped(const StepRecord& record, double t_new, Field& u, Field& u_n
   const bool at_end = options_.times.due_at(t_new, step);
   const std::vector<double> inside = options_.land ? std::vector<double>() : options_.times.between(record.t, t_new);
   if (!inside.empty()) {
-    const StepInterpolation interpolation(*rhs_, record.t, u, t_new, u_new);
+    const StepInterpolation interpolation(*rhs_, record.begin, u, record.end, u_new);
     Field state = u.similar();
     for (std::size_t k = 0; k < inside.size(); ++k) {
       interpolation.at(inside[k], state);

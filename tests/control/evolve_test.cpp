@@ -7,6 +7,8 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "stiffront/core/error.hpp"
 
@@ -84,6 +86,24 @@ TEST_F(EvolveTest, LandsOnBreakpointsAndRestartsTheMethodThere) {
   EXPECT_EQ(method_.restarts, (std::vector<double>{0.25, 0.777}));
   for (double t : {0.25, 0.777, 1.0}) EXPECT_EQ(std::count(recorder_.times.begin(), recorder_.times.end(), t), 1) << t;
   EXPECT_EQ(method_.first_steps, 3);
+}
+
+TEST_F(EvolveTest, NoStepSeesTheOtherSideOfAJumpOfTheData) {
+  schedule_.breakpoints = {0.25};
+  schedule_.restart_period = 0.4;
+  schedule_.restart_step = 0.03;
+  std::vector<std::pair<double, double>> steps;
+  method_.decide = [&](double t, double dt, Attempt&) { steps.emplace_back(t, t + dt); };
+  run();
+  for (const double jump : {0.25, 0.4, 0.8}) {
+    for (const auto& [begin, end] : steps) {
+      EXPECT_FALSE(begin <= jump && jump <= end) << jump << " in " << begin << ", " << end;
+      EXPECT_FALSE(begin <= jump * (1.0 + 1e-16) && jump * (1.0 - 1e-16) <= end) << jump << " touched by " << begin << ", " << end;
+    }
+  }
+  // What is left out is round-off, and the times of the world are those asked for.
+  EXPECT_NEAR(u_.at(0, 0), 1.0, 1e-14);
+  for (const double jump : {0.25, 0.4, 0.8}) EXPECT_EQ(std::count(recorder_.times.begin(), recorder_.times.end(), jump), 1) << jump;
 }
 
 TEST_F(EvolveTest, ResetsTheTrialStepEveryPeriod) {

@@ -24,6 +24,8 @@ struct StepRecord {
   std::int64_t step = 0;   ///< number of accepted steps before this one
   double t = 0.0;          ///< where it began
   double dt = 0.0;
+  double begin = 0.0;      ///< t, or just behind it where the data jump: rates at the beginning of the step are those at this time
+  double end = 0.0;        ///< the same at its end: t + dt, or just before
   Attempt attempt;
 };
 
