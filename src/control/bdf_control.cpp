@@ -16,10 +16,11 @@ constexpr double worth_lowering = 0.9;
 /// below 4 (docs/sbdf-stability.md).
 constexpr std::array<double, 6> max_growth{0.0, 3.0, 1.8, 1.4, 1.25, 1.2};
 
-/// Ringing: the error at order 2, over the tolerance, up to which order 2 is tried; for how many steps; and the growth of
-/// the step that counts as such.
-constexpr double worth_a_trial = 0.95;
-constexpr int trial_steps = 60;
+/// Ringing: the error at order 2, over the tolerance, up to which it may pay to use quiet orders; steps at order 1
+/// before that, and steps after which it must have paid; the growth of the step that counts as such.
+constexpr double worth_a_trial = 2.0;
+constexpr int damping_steps = 12;
+constexpr int trial_steps = 100;
 constexpr double growing = 1.3;
 
 /// The step ratio that brings the error to the one aimed at.
@@ -33,6 +34,10 @@ double ratio_for(double error, int order) {
 double BdfControl::accepted(double dt, const BdfErrors& errors, const std::function<double(int, double)>& limit) {
   rejections_ = 0;
   ++held_;
+  if (phase_ == Phase::damping) {
+    watch_for_ringing(dt);
+    return std::min(dt, limit(order_, std::numeric_limits<double>::infinity()));
+  }
   double ratio = ratio_for(errors.same, order_);
   int next = order_;
   const double lower = order_ > 1 ? ratio_for(errors.lower, order_ - 1) : 0.0;
@@ -44,17 +49,21 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
     next = order_ + 1;
     ratio = upper;
   }
-  if (suspects_ringing_ && order_ > 2 && errors.second <= worth_a_trial) {
-    next = 2;
+  if (errors.quiet_order > 0) {
     suspects_ringing_ = false;
-    phase_ = Phase::trial;
-    watched_ = 0;
-    watched_dt_ = dt;
+    if (errors.quiet_order >= order_) {
+      patience_ *= 2;
+    } else if (errors.second <= worth_a_trial) {
+      quiet_order_ = errors.quiet_order;
+      phase_ = Phase::damping;
+      watched_ = 0;
+      watched_dt_ = dt;
+      order_ = 1;
+      return std::min(dt, limit(order_, std::numeric_limits<double>::infinity()));
+    }
   }
-  // The damping of order 2 falls with the fourth power of the step: a trial is made with the step that rings.
-  if (phase_ == Phase::trial && ratio < 1.0 && errors.same <= worth_a_trial) ratio = 1.0;
   const double target = limit(next, dt * ratio);
-  watch_for_ringing(dt, target < 0.9 * dt * ratio);
+  watch_for_ringing(dt);
   const bool may_raise = held_ > order_;
   double dt_next = dt;
   if (next != order_ || target < worth_lowering * dt || (may_raise && target > worth_raising * dt)) {
@@ -65,34 +74,50 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
   return std::min(dt_next, limit(order_, std::numeric_limits<double>::infinity()));
 }
 
-/// @param is_limited whether something else than the error keeps the step from growing
-void BdfControl::watch_for_ringing(double dt, bool is_limited) {
+void BdfControl::watch_for_ringing(double dt) {
   ++watched_;
+  largest_dt_ = std::max(largest_dt_, dt);
   const bool grows = dt > growing * watched_dt_;
   const auto watch_anew = [&] {
     watched_ = 0;
-    watched_dt_ = dt;
+    watched_dt_ = largest_dt_ = dt;
   };
   switch (phase_) {
     case Phase::free:
-      if (is_limited) return watch_anew();
       if (watched_ < patience_) return;
       suspects_ringing_ = !grows;
+      suspected_dt_ = largest_dt_;
       return watch_anew();
+    case Phase::damping:
+      if (watched_ == damping_steps) phase_ = Phase::trial;
+      return;
     case Phase::trial:
       if (watched_ < trial_steps) return;
-      phase_ = grows ? Phase::low : Phase::free;
-      if (!grows) patience_ *= 4;
+      phase_ = grows ? Phase::quiet : Phase::free;
+      if (!grows) patience_ *= 2;
       return watch_anew();
-    case Phase::low:
-      if (watched_ < low_patience_) return;
+    case Phase::quiet:
+      if (watched_ < quiet_patience_) return;
       if (!grows) {
         phase_ = Phase::free;
-        low_patience_ *= 4;
+        quiet_patience_ *= 4;
       }
       return watch_anew();
   }
 }
+
+int BdfControl::highest_order() const {
+  switch (phase_) {
+    case Phase::free:
+      return max_order_;
+    case Phase::damping:
+      return 1;
+    default:
+      return quiet_order_;
+  }
+}
+
+double BdfControl::largest_error() const { return phase_ == Phase::damping ? 20.0 : 1.0; }
 
 double BdfControl::rejected(double dt, double error) {
   held_ = 0;
@@ -110,8 +135,11 @@ std::vector<double> BdfControl::state() const {
           suspects_ringing_ ? 1.0 : 0.0,
           static_cast<double>(watched_),
           watched_dt_,
+          largest_dt_,
+          suspected_dt_,
+          static_cast<double>(quiet_order_),
           static_cast<double>(patience_),
-          static_cast<double>(low_patience_)};
+          static_cast<double>(quiet_patience_)};
 }
 
 void BdfControl::set_state(const std::vector<double>& numbers) {
@@ -123,8 +151,11 @@ void BdfControl::set_state(const std::vector<double>& numbers) {
   suspects_ringing_ = integer(4) != 0;
   watched_ = integer(5);
   watched_dt_ = numbers.at(6);
-  patience_ = integer(7);
-  low_patience_ = integer(8);
+  largest_dt_ = numbers.at(7);
+  suspected_dt_ = numbers.at(8);
+  quiet_order_ = integer(9);
+  patience_ = integer(10);
+  quiet_patience_ = integer(11);
 }
 
 }  // namespace stiffront

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "stiffront/control/bdf_ringing.hpp"
 #include "stiffront/control/sbdf_stability.hpp"
 #include "stiffront/control/sbdf_tables.hpp"
 #include "stiffront/core/error.hpp"
@@ -82,7 +83,7 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
       predictor_(shape.similar()),
       right_side_(shape.similar()),
       work_(shape.similar()),
-      agreement_(3, 2 * shape.n_species()) {
+      agreement_(3, 2 * shape.n_species() + 1) {
   absolute_.resize(static_cast<std::size_t>(shape.n_species()), 0.0);
   const Decomposition& decomposition = shape.decomposition();
   for (int i = 0; i < options_.max_order; ++i) history_.push_back(predictor_.similar());
@@ -176,7 +177,7 @@ Sbdf::Step Sbdf::plan(double dt) const {
       std::copy(lower.predictor.begin(), lower.predictor.end(), step.lower.begin());
       step.lower_factor = lower.gamma * dt / (back - steps[k]);
     }
-    if (control_.wants_second_order()) {
+    if (control_.wants_ringing_test()) {
       const auto second = sbdf_stability::step_weights(2, steps);
       std::copy(second.predictor.begin(), second.predictor.end(), step.upper.begin());
       step.second_factor = second.gamma * dt / (steps[0] + steps[1] + steps[2]);
@@ -335,10 +336,17 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
     agreement_.sums[0] = sums.same;
     agreement_.sums[1] = sums.lower;
     agreement_.sums[2] = sums.upper;
+    if (step.second_factor > 0.0) {
+      agreement_.maxima.back() =
+          options_.max_order - highest_quiet_order(options_.max_order, t_new, control_.suspected_dt(), u_new, *model_, free_);
+    }
     comm_->agree(agreement_);
     if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
     if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);
-    if (step.second_factor > 0.0) errors.second = step.second_factor * norm(agreement_.sums[2]);
+    if (step.second_factor > 0.0) {
+      errors.second = step.second_factor * norm(agreement_.sums[2]);
+      errors.quiet_order = options_.max_order - static_cast<int>(agreement_.maxima.back());
+    }
   } else {
     bdf_add_difference(u_new, predictor_, tolerances, free_, agreement_.sums[0]);
     comm_->agree(agreement_);
@@ -347,7 +355,7 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   flags = agreement_.flags;
 
   attempt.error = errors.same;
-  attempt.accepted = errors.same <= 1.0;
+  attempt.accepted = errors.same <= control_.largest_error();
   attempted_dt_ = dt;
   if (!attempt.accepted) {
     const bool finite = std::isfinite(errors.same);
@@ -372,7 +380,7 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   if (control_.avoids_ringing()) {
     ++low_order_;
     if (!avoided_ringing) {
-      attempt.reason = "orders above 2 are given up for a while: a fast damped oscillation makes them unstable";
+      attempt.reason = "high orders are given up for a while: a fast damped oscillation makes them unstable at this step";
     }
   }
   return attempt;
@@ -407,7 +415,7 @@ std::string Sbdf::closing_note() const {
             : std::string("; a coarser grid, if it resolves the solution, is the remedy"));
   }
   if (low_order_ > 0) {
-    note += fmt::format("{}{} of {} steps were made at order 2 since a fast damped oscillation makes higher orders unstable",
+    note += fmt::format("{}{} of {} steps were made at low order since a fast damped oscillation makes higher ones unstable",
                         note.empty() ? "" : "; ", low_order_, accepted_);
   }
   return note;

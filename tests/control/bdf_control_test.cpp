@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace stiffront {
@@ -86,6 +87,46 @@ TEST(BdfControl, NeverExceedsALimitFromOutside) {
     dt = control.accepted(dt, {1e-9, 1e-9, 1e-9},
                           [](int order, double wanted) { return std::min(wanted, 6.0 / order); });
     EXPECT_LE(dt, 6.0 / control.order());
+  }
+}
+
+/// Ringing as the control sees it: at orders above 2 the error jumps for steps between 1 and 4, at order 2 it does not.
+double ringing_error(int order, double dt) {
+  return order > 2 && dt < 4.0 ? std::pow(dt, 20.0) * 0.4 : 0.3 * std::pow(dt / 10.0, order + 1.0);
+}
+
+/// Makes n steps; `quiet` is the highest order said not to ring.
+double run_ringing(BdfControl& control, int n, int quiet, double second) {
+  double dt = 0.01;
+  for (int k = 0; k < n; ++k) {
+    BdfErrors e;
+    e.same = ringing_error(control.order(), dt);
+    if (control.wants_ringing_test()) {
+      e.second = second;
+      e.quiet_order = quiet;
+    }
+    if (control.wants_order_test()) e.upper = 0.01 * e.same;
+    if (control.wants_order_test()) e.lower = 0.9 * e.same;
+    dt = e.same > 1.0 ? control.rejected(dt, e.same) : control.accepted(dt, e, no_limit);
+  }
+  return dt;
+}
+
+TEST(BdfControl, GivesUpOrdersThatRingOnceTheyKeepTheStepShort) {
+  BdfControl control(5);
+  EXPECT_LT(run_ringing(control, 50, 2, 0.5), 1.2);
+  BdfControl patient(5);
+  EXPECT_GT(run_ringing(patient, 400, 2, 0.5), 5.0);
+  BdfControl never_told(5);
+  EXPECT_LT(run_ringing(never_told, 400, 5, 0.5), 1.2);
+}
+
+TEST(BdfControl, KeepsHighOrdersThatDoNotRingOrPayNevertheless) {
+  for (const auto& [quiet, second] : {std::pair{5, 0.5}, std::pair{2, 5.0}}) {
+    BdfControl control(5);
+    run_ringing(control, 300, quiet, second);
+    EXPECT_FALSE(control.avoids_ringing());
+    EXPECT_GT(control.order(), 2);
   }
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <algorithm>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -13,6 +12,7 @@ struct BdfErrors {
   double lower = std::numeric_limits<double>::infinity();  ///< at order - 1; infinite if unknown
   double upper = std::numeric_limits<double>::infinity();  ///< at order + 1; infinite if unknown
   double second = std::numeric_limits<double>::infinity();  ///< at order 2; infinite if unknown
+  int quiet_order = 0;  ///< the highest that does not ring; 0 if unknown
 };
 
 /// Step size and order of a variable-step, variable-order BDF method, from error estimates alone.
@@ -23,9 +23,10 @@ struct BdfErrors {
 ///
 /// Orders above 2 are unstable for decaying oscillations near the imaginary axis within some range of the step. The
 /// ringing shows in the errors, which keep the step at the edge of that range, but looks there much like a solution that
-/// varies fast. So the two are told apart by trial: if the step has not grown for a while and order 2 would not make it
-/// much shorter, order 2 is used for some steps. If the step then grows, the high orders were ringing and are given up
-/// until it stops growing; if not, the next trial comes after four times as many steps.
+/// varies fast. If the step has not grown for a while, the control therefore asks for the highest order that does not
+/// ring (control/bdf_ringing.hpp). If a higher one is in use and order 2 would not make the step much shorter, some
+/// steps of the same size at order 1 damp what rings, and then only quiet orders are used. If that lets the step grow, it
+/// remains so until it stops growing; if not, all orders are allowed again for four times as many steps.
 class BdfControl {
  public:
   explicit BdfControl(int max_order) : max_order_(max_order) {}
@@ -33,12 +34,17 @@ class BdfControl {
   int order() const { return order_; }
   /// Whether the next step should come with the errors at the neighbouring orders.
   bool wants_order_test() const { return max_order_ > 1 && held_ % (order_ + 1) == order_; }
-  /// Whether that test should have the error at order 2 instead of that at order + 1.
-  bool wants_second_order() const { return suspects_ringing_ && order_ > 2; }
+  /// Whether that test should have the error at order 2 instead of that at order + 1, and the highest quiet order.
+  bool wants_ringing_test() const { return suspects_ringing_ && order_ > 2; }
+  /// The step at which the ringing test should look: the largest of those that did not grow.
+  double suspected_dt() const { return suspected_dt_; }
   /// The highest order that may be used next.
-  int highest_order() const { return phase_ == Phase::free ? max_order_ : std::min(max_order_, 2); }
-  /// Whether orders above 2 are given up since they would ring.
-  bool avoids_ringing() const { return phase_ == Phase::low; }
+  int highest_order() const;
+  /// The largest error of a step to be taken. Steps that damp ringing may miss the tolerance by a factor: the error at
+  /// order 1 then is what rings, and to lose it is their purpose; shorter steps would not.
+  double largest_error() const;
+  /// Whether high orders are given up since they would ring.
+  bool avoids_ringing() const { return phase_ != Phase::free; }
 
   /// After an accepted step: sets the order and returns the size of the next one.
   /// @param limit (order, dt): the step to make in place of a wanted one for reasons other than accuracy; at most dt
@@ -52,8 +58,8 @@ class BdfControl {
   void set_state(const std::vector<double>& numbers);
 
  private:
-  enum class Phase { free, trial, low };
-  void watch_for_ringing(double dt, bool is_limited);
+  enum class Phase { free, damping, trial, quiet };
+  void watch_for_ringing(double dt);
 
   int max_order_;
   int order_ = 1;
@@ -64,8 +70,11 @@ class BdfControl {
   bool suspects_ringing_ = false;
   int watched_ = 0;          ///< accepted steps since watched_dt_ was the step
   double watched_dt_ = 0.0;
-  int patience_ = 24;        ///< steps without growth before order 2 is tried
-  int low_patience_ = 40;    ///< ... before the higher orders are tried again
+  double largest_dt_ = 0.0;  ///< of the steps watched
+  double suspected_dt_ = 0.0;
+  int quiet_order_ = 0;      ///< highest order outside of the phase `free`
+  int patience_ = 24;        ///< steps without growth before a test for ringing
+  int quiet_patience_ = 40;  ///< ... before all orders are allowed again
 };
 
 }  // namespace stiffront

@@ -131,7 +131,7 @@ class Sbdf final : public Method {
 
   std::int64_t accepted_ = 0;  ///< steps of this run, and those of them that diffusion kept from being longer
   std::int64_t limited_ = 0;
-  std::int64_t low_order_ = 0;  ///< made at order 2 or below since higher ones would have rung
+  std::int64_t low_order_ = 0;  ///< made at low order since higher ones would have rung
 };
 
 }  // namespace stiffront
