@@ -49,11 +49,12 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
     next = order_ + 1;
     ratio = upper;
   }
+  if (std::isfinite(errors.second)) {
+    suspicion_ = errors.second <= worth_a_trial ? Suspicion::of_modes : Suspicion::none;
+  }
   if (errors.quiet_order > 0) {
-    suspects_ringing_ = false;
-    if (errors.quiet_order >= order_) {
-      patience_ *= 2;
-    } else if (errors.second <= worth_a_trial) {
+    suspicion_ = Suspicion::none;
+    if (errors.quiet_order < order_) {
       quiet_order_ = errors.quiet_order;
       phase_ = Phase::damping;
       watched_ = 0;
@@ -61,6 +62,7 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
       order_ = 1;
       return std::min(dt, limit(order_, std::numeric_limits<double>::infinity()));
     }
+    patience_ *= 2;
   }
   const double target = limit(next, dt * ratio);
   watch_for_ringing(dt);
@@ -85,7 +87,7 @@ void BdfControl::watch_for_ringing(double dt) {
   switch (phase_) {
     case Phase::free:
       if (watched_ < patience_) return;
-      suspects_ringing_ = !grows;
+      suspicion_ = grows ? Suspicion::none : Suspicion::of_errors;
       suspected_dt_ = largest_dt_;
       return watch_anew();
     case Phase::damping:
@@ -132,7 +134,7 @@ std::vector<double> BdfControl::state() const {
           static_cast<double>(held_),
           static_cast<double>(rejections_),
           static_cast<double>(phase_),
-          suspects_ringing_ ? 1.0 : 0.0,
+          static_cast<double>(suspicion_),
           static_cast<double>(watched_),
           watched_dt_,
           largest_dt_,
@@ -148,7 +150,7 @@ void BdfControl::set_state(const std::vector<double>& numbers) {
   held_ = integer(1);
   rejections_ = integer(2);
   phase_ = static_cast<Phase>(integer(3));
-  suspects_ringing_ = integer(4) != 0;
+  suspicion_ = static_cast<Suspicion>(integer(4));
   watched_ = integer(5);
   watched_dt_ = numbers.at(6);
   largest_dt_ = numbers.at(7);

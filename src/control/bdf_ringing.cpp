@@ -28,7 +28,7 @@ int highest_quiet_order(int max_order, double t, double dt, const Field& u, cons
   const Decomposition& d = u.decomposition();
   const Grid& grid = d.grid();
   const int m = u.n_species();
-  const std::int64_t stride = (grid.total_points() + 4095) / 4096;
+  const std::int64_t stride = (grid.total_points() + 1023) / 1024;
   int quiet = max_order;
   std::vector<double> cell(static_cast<std::size_t>(m));
   std::vector<double> entries(static_cast<std::size_t>(m) * static_cast<std::size_t>(m));

@@ -177,7 +177,7 @@ Sbdf::Step Sbdf::plan(double dt) const {
       std::copy(lower.predictor.begin(), lower.predictor.end(), step.lower.begin());
       step.lower_factor = lower.gamma * dt / (back - steps[k]);
     }
-    if (control_.wants_ringing_test()) {
+    if (control_.wants_second_order()) {
       const auto second = sbdf_stability::step_weights(2, steps);
       std::copy(second.predictor.begin(), second.predictor.end(), step.upper.begin());
       step.second_factor = second.gamma * dt / (steps[0] + steps[1] + steps[2]);
@@ -336,15 +336,15 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
     agreement_.sums[0] = sums.same;
     agreement_.sums[1] = sums.lower;
     agreement_.sums[2] = sums.upper;
-    if (step.second_factor > 0.0) {
+    if (control_.wants_quiet_order()) {
       agreement_.maxima.back() =
           options_.max_order - highest_quiet_order(options_.max_order, t_new, control_.suspected_dt(), u_new, *model_, free_);
     }
     comm_->agree(agreement_);
     if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
     if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);
-    if (step.second_factor > 0.0) {
-      errors.second = step.second_factor * norm(agreement_.sums[2]);
+    if (step.second_factor > 0.0) errors.second = step.second_factor * norm(agreement_.sums[2]);
+    if (control_.wants_quiet_order()) {
       errors.quiet_order = options_.max_order - static_cast<int>(agreement_.maxima.back());
     }
   } else {

@@ -101,12 +101,12 @@ double run_ringing(BdfControl& control, int n, int quiet, double second) {
   for (int k = 0; k < n; ++k) {
     BdfErrors e;
     e.same = ringing_error(control.order(), dt);
-    if (control.wants_ringing_test()) {
-      e.second = second;
-      e.quiet_order = quiet;
+    if (control.wants_order_test()) {
+      e.upper = 0.01 * e.same;
+      e.lower = 0.9 * e.same;
+      if (control.wants_second_order()) e.second = second;
+      if (control.wants_quiet_order()) e.quiet_order = quiet;
     }
-    if (control.wants_order_test()) e.upper = 0.01 * e.same;
-    if (control.wants_order_test()) e.lower = 0.9 * e.same;
     dt = e.same > 1.0 ? control.rejected(dt, e.same) : control.accepted(dt, e, no_limit);
   }
   return dt;

@@ -23,8 +23,8 @@ struct BdfErrors {
 ///
 /// Orders above 2 are unstable for decaying oscillations near the imaginary axis within some range of the step. The
 /// ringing shows in the errors, which keep the step at the edge of that range, but looks there much like a solution that
-/// varies fast. If the step has not grown for a while, the control therefore asks for the highest order that does not
-/// ring (control/bdf_ringing.hpp). If a higher one is in use and order 2 would not make the step much shorter, some
+/// varies fast. If the step has not grown for a while and order 2 would not make it much shorter, the control therefore
+/// asks for the highest order that does not ring (control/bdf_ringing.hpp). If a higher one is in use, some
 /// steps of the same size at order 1 damp what rings, and then only quiet orders are used. If that lets the step grow, it
 /// remains so until it stops growing; if not, all orders are allowed again for four times as many steps.
 class BdfControl {
@@ -34,9 +34,11 @@ class BdfControl {
   int order() const { return order_; }
   /// Whether the next step should come with the errors at the neighbouring orders.
   bool wants_order_test() const { return max_order_ > 1 && held_ % (order_ + 1) == order_; }
-  /// Whether that test should have the error at order 2 instead of that at order + 1, and the highest quiet order.
-  bool wants_ringing_test() const { return suspects_ringing_ && order_ > 2; }
-  /// The step at which the ringing test should look: the largest of those that did not grow.
+  /// Whether that test should have the error at order 2 instead of that at order + 1.
+  bool wants_second_order() const { return suspicion_ == Suspicion::of_errors && order_ > 2; }
+  /// Whether that test should have the highest quiet order.
+  bool wants_quiet_order() const { return suspicion_ == Suspicion::of_modes && order_ > 2; }
+  /// The step for which it should be found: the largest of those that did not grow.
   double suspected_dt() const { return suspected_dt_; }
   /// The highest order that may be used next.
   int highest_order() const;
@@ -58,6 +60,7 @@ class BdfControl {
   void set_state(const std::vector<double>& numbers);
 
  private:
+  enum class Suspicion { none, of_errors, of_modes };
   enum class Phase { free, damping, trial, quiet };
   void watch_for_ringing(double dt);
 
@@ -67,7 +70,7 @@ class BdfControl {
   int rejections_ = 0;  ///< in a row
 
   Phase phase_ = Phase::free;
-  bool suspects_ringing_ = false;
+  Suspicion suspicion_ = Suspicion::none;
   int watched_ = 0;          ///< accepted steps since watched_dt_ was the step
   double watched_dt_ = 0.0;
   double largest_dt_ = 0.0;  ///< of the steps watched
