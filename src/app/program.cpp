@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "guidance.hpp"
 #include "job.hpp"
 #include "plot.hpp"
 #include "stiffront/app/builtin_cases.hpp"
@@ -65,7 +66,16 @@ class Obey {
 
   int operator()(const CheckCommand& command) const {
     const CaseSource source = read_case_source(command.source.file, command.source.overrides);
-    return said(effective_configuration(parse_case(source, models_.descriptions())));
+    const Case c = parse_case(source, models_.descriptions());
+    said(effective_configuration(c));
+    // Not part of the case: what a reader wants to know, a program that reads the case does not.
+    return run_on_all_ranks(argc_, argv_, [&](const Communicator& comm) {
+      const Communicator self(MPI_COMM_SELF);
+      if (!comm.is_root()) return;
+      std::string text;
+      for (const std::string& line : guidance(c, models_, self)) text += "# " + line + "\n";
+      std::fputs(text.c_str(), stderr);
+    });
   }
 
   int operator()(const ListCommand& command) const {

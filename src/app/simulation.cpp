@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "advice.hpp"
 #include "stiffront/app/case_file.hpp"
 #include "stiffront/app/method_stack.hpp"
 #include "stiffront/app/methods.hpp"
@@ -126,7 +127,7 @@ class RunMemory {
 class RunObserver final : public Observer {
  public:
   RunObserver(const Case& c, const Problem& problem, Output& output, ProgressLine& progress, RunMemory& memory, Watchdog& watchdog)
-      : case_(&c), comm_(&problem.comm), output_(&output), progress_(&progress), memory_(&memory), watchdog_(&watchdog),
+      : errors(c.method), case_(&c), comm_(&problem.comm), output_(&output), progress_(&progress), memory_(&memory), watchdog_(&watchdog),
         files_(c.output.directory) {}
 
   std::uint64_t requests() override {
@@ -148,6 +149,7 @@ class RunObserver final : public Observer {
     slowest_attempt_ = std::max(slowest_attempt_, wall_seconds() - attempt_began_);
     memory_->work += record.attempt.work;
     failure = record.attempt.failure;
+    errors.add(record);
     if (!record.attempt.reason.empty() && record.attempt.accepted) note = record.attempt.reason;
     output_->attempted(record);
     progress_->attempted(record);
@@ -169,6 +171,7 @@ class RunObserver final : public Observer {
 
   bool stopped = false;
   std::optional<CellFailure> failure;
+  ErrorRecord errors;
   std::string note;  ///< the last remark of the method on an accepted step
 
  private:
@@ -206,6 +209,24 @@ std::vector<std::pair<std::string, double>> slowest(const PhaseSeconds& mine, co
                                                       {"output", mine.output},               {"total", mine.total}};
   for (auto& [phase, value] : seconds) value = comm.max(value);
   return seconds;
+}
+
+/// What every rank did; on every rank.
+std::vector<Summary::RankWork> work_of_each(const Work& mine, const PhaseSeconds& seconds, const Communicator& comm) {
+  const std::size_t ranks = static_cast<std::size_t>(comm.size());
+  Agreement all(0, static_cast<int>(4 * ranks));
+  const std::size_t at = 4 * static_cast<std::size_t>(comm.rank());
+  all.maxima[at] = static_cast<double>(mine.reaction_newton_iterations);
+  all.maxima[at + 1] = seconds.diffusion;
+  all.maxima[at + 2] = seconds.reaction;
+  all.maxima[at + 3] = seconds.communication;
+  comm.agree(all);
+  std::vector<Summary::RankWork> result;
+  for (std::size_t r = 0; r < ranks; ++r) {
+    const double* w = &all.maxima[4 * r];
+    result.push_back({static_cast<std::int64_t>(w[0]), w[1], w[2], w[3]});
+  }
+  return result;
 }
 
 /// The cell that could not be integrated, in one sentence, on every rank; empty if the run failed for another reason.
@@ -246,7 +267,7 @@ void print_closing(const Summary& s, const std::string& directory) {
     if (seconds > 0.0) fmt::print("  {:<14} {:>10.4f} s\n", phase, seconds);
   }
   if (s.ranks > 1) fmt::print("  imbalance of the reaction {:.3f}\n", s.imbalance);
-  if (s.negatives > 0) fmt::print("  {} states held negative values\n", s.negatives);
+  for (const std::string& line : s.advice) fmt::print("  - {}\n", line);
   fmt::print("checksum {}; results in {}\n", s.checksum, directory);
   std::fflush(stdout);
 }
@@ -329,6 +350,8 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   summary.restarted = restarts;
   summary.checksum = checksum(problem.state);
   summary.allreduces = comm.reductions();
+  summary.rank_work = work_of_each(memory.work, phases, comm);
+  if (summary.status == "done") summary.advice = advice(c, summary, observer.errors, spatial_error(problem));
   collectively(comm, [&] {
     if (comm.is_root()) write_summary(directory.file("summary.json"), summary);
   });

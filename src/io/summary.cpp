@@ -61,6 +61,7 @@ std::string summary_json(const Summary& s) {
   j["status"] = s.status;
   if (!s.reason.empty()) j["reason"] = s.reason;
   if (!s.note.empty()) j["note"] = s.note;
+  if (!s.advice.empty()) j["advice"] = s.advice;
   if (!s.title.empty()) j["title"] = s.title;
   j["model"] = s.model;
   j["method"] = s.method;
@@ -73,6 +74,15 @@ std::string summary_json(const Summary& s) {
   for (const auto& [phase, seconds] : s.wall_seconds) j["wall_seconds"][phase] = number(seconds);
   j["ranks"] = s.ranks;
   j["imbalance"] = number(s.imbalance);
+  j["rank_work"] = Json::array();
+  for (const Summary::RankWork& w : s.rank_work) {
+    Json rank;
+    rank["reaction_newton_iterations"] = w.newton_iterations;
+    rank["diffusion_seconds"] = number(w.diffusion);
+    rank["reaction_seconds"] = number(w.reaction);
+    rank["communication_seconds"] = number(w.communication);
+    j["rank_work"].push_back(rank);
+  }
   j["negatives"] = s.negatives;
   j["peak_memory_mib"] = number(s.peak_memory_mib);
   j["output_files"] = s.output_files;

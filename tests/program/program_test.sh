@@ -53,6 +53,8 @@ cp out my.toml
 expect "unknown case" 2 "$program" case bz-9d
 
 expect "check" 0 "$program" check my.toml time.end=0.5
+claim "what to expect is on standard error" contains err "3003 unknowns"
+claim "and stands behind the sign of a comment" lines <(grep -v '^# ' err) 0
 cp out effective.toml
 expect "check of a checked case" 0 "$program" check effective.toml
 claim "a complete case is its own completion" cmp -s out effective.toml

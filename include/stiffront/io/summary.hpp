@@ -15,6 +15,7 @@ struct Summary {
   std::string status;           ///< "done", "stopped", or the kind of failure
   std::string reason;           ///< the error or stop in one sentence; left out if empty
   std::string note;             ///< what the method has to say about the run; left out if empty
+  std::vector<std::string> advice;  ///< what the numbers mean and what to change
   std::string title;            ///< left out if empty
   std::string model;
   std::string method;
@@ -28,6 +29,14 @@ struct Summary {
   int ranks = 1;
   std::vector<int> processes;   ///< ranks per direction
   double imbalance = 1.0;       ///< largest over mean work of the ranks in the reaction
+  /// Of each rank in turn: Newton iterations of the reaction, seconds in the phases "diffusion", "reaction" and "communication".
+  struct RankWork {
+    std::int64_t newton_iterations = 0;
+    double diffusion = 0.0;
+    double reaction = 0.0;
+    double communication = 0.0;
+  };
+  std::vector<RankWork> rank_work;
   std::int64_t negatives = 0;   ///< accepted steps whose state held a negative value
   double peak_memory_mib = 0.0; ///< of the largest rank
   std::int64_t output_files = 0;
