@@ -19,7 +19,9 @@ constexpr std::array<double, 6> max_growth{0.0, 3.0, 1.8, 1.4, 1.25, 1.2};
 /// Ringing: the error at order 2, over the tolerance, up to which it may pay to use quiet orders; steps at order 1
 /// before that, and steps after which it must have paid; the growth of the step that counts as such.
 constexpr double worth_a_trial = 2.0;
-constexpr int damping_steps = 12;
+constexpr int damping_steps = 20;
+constexpr double first_damping_error = 60.0;
+constexpr double damping_factor = 0.85;
 constexpr int trial_steps = 100;
 constexpr double growing = 1.3;
 
@@ -60,7 +62,7 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
       watched_ = 0;
       watched_dt_ = dt;
       order_ = 1;
-      return std::min(dt, limit(order_, std::numeric_limits<double>::infinity()));
+      return std::min(std::max(dt, suspected_dt_), limit(order_, std::numeric_limits<double>::infinity()));
     }
     patience_ *= 2;
   }
@@ -119,11 +121,20 @@ int BdfControl::highest_order() const {
   }
 }
 
-double BdfControl::largest_error() const { return phase_ == Phase::damping ? 20.0 : 1.0; }
+double BdfControl::largest_error() const {
+  return phase_ == Phase::damping ? first_damping_error * std::pow(damping_factor, watched_) : 1.0;
+}
 
 double BdfControl::rejected(double dt, double error) {
   held_ = 0;
   ++rejections_;
+  if (phase_ == Phase::damping) {
+    // Order 1 is too rough for the rest of the solution.
+    phase_ = Phase::free;
+    watched_ = 0;
+    watched_dt_ = largest_dt_ = dt;
+    patience_ *= 2;
+  }
   const double ratio = ratio_for(error, order_);
   if (rejections_ > 1 && order_ > 1) --order_;
   return dt * std::clamp(ratio, 0.2, 0.9);

@@ -30,7 +30,7 @@ std::span<const double> line_factors(int space_order) {
 
 /// What such an iteration costs in sweeps (measured; see docs/sbdf.md). Constants, so that the choice is the same
 /// everywhere.
-double line_cost(int n_species) { return n_species == 1 ? 5.0 : 6.0 + 3.0 * n_species; }
+double line_cost(int n_species) { return std::min(3.0 + 10.0 * n_species, 35.0); }
 
 SbdfOptions checked(SbdfOptions o, int n_species) {
   if (!(o.relative_tolerance > 0.0)) {
