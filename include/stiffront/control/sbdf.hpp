@@ -19,7 +19,7 @@
 namespace stiffront {
 
 struct SbdfOptions {
-  double relative_tolerance = 1e-4;
+  double relative_tolerance = 1e-4;        ///< aimed at for the run; that of a step is less below 1e-3 (docs/sbdf.md)
   std::vector<double> absolute_tolerance;  ///< one per species, or one for all, or none: see Sbdf
   int max_order = 5;                       ///< 1 .. 5
   int max_sweeps = sbdf_max_sweeps;        ///< 1 .. sbdf_max_sweeps; steps are shortened to need no more
