@@ -1,5 +1,5 @@
-# What is installed: program, library, headers with the generated ones, CMake package, pkg-config file, case files and
-# the plot script. The tree can be moved: no file in it names the prefix.
+# What is installed: program, library, headers with the generated ones, CMake package, pkg-config file, case files the
+# scripts that draw, manual page and completion. The tree can be moved: no file in it names the prefix.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -8,7 +8,12 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/stiffront ${PROJECT_BINARY_DIR}/
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.hpp)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/drivers/cases
   DESTINATION ${CMAKE_INSTALL_DATADIR}/stiffront FILES_MATCHING PATTERN *.toml)
-install(PROGRAMS ${PROJECT_SOURCE_DIR}/drivers/plot/plot.py DESTINATION ${CMAKE_INSTALL_DATADIR}/stiffront/plot)
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/drivers/plot/plot.py ${PROJECT_SOURCE_DIR}/drivers/plot/report.py
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/stiffront/plot)
+install(FILES ${PROJECT_SOURCE_DIR}/drivers/plot/report.css ${PROJECT_SOURCE_DIR}/drivers/plot/report.js
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/stiffront/plot)
+install(FILES ${PROJECT_SOURCE_DIR}/packaging/stiffront.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${PROJECT_SOURCE_DIR}/packaging/completion/stiffront DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
   DESTINATION ${CMAKE_INSTALL_DOCDIR})
 

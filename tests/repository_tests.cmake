@@ -22,5 +22,6 @@ set_tests_properties(consumer.find_package consumer.pkg_config PROPERTIES FIXTUR
 find_program(STIFFRONT_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)  # Debian's, which sees Debian's modules
 if(STIFFRONT_PYTHON)
   add_test(NAME plot COMMAND ${STIFFRONT_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/plot/plot_test.py)
-  set_tests_properties(plot PROPERTIES LABELS repository TIMEOUT 120 SKIP_RETURN_CODE 77)
+  add_test(NAME report COMMAND ${STIFFRONT_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/plot/report_test.py)
+  set_tests_properties(plot report PROPERTIES LABELS repository TIMEOUT 120 SKIP_RETURN_CODE 77)
 endif()

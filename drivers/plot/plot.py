@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws what a run left in its output folder: profiles or maps of the species, step sizes and errors.
+"""Draws what a run left in its output folder: profiles or maps of the species, step sizes, errors and costs; or an animation; or the
+errors of an order study.
 
 Needs h5py and matplotlib (Debian: python3-h5py python3-matplotlib).
 Exit status: 0 drawn, 2 wrong command line, 3 no such species, 5 a file could not be read or written.
@@ -8,6 +9,7 @@ Exit status: 0 drawn, 2 wrong command line, 3 no such species, 5 a file could no
 
 import argparse
 import csv
+import json
 import math
 import os
 import re
@@ -16,6 +18,7 @@ import sys
 try:
     import h5py
     import matplotlib
+    import matplotlib.animation
     import numpy as np
 except ImportError as missing:
     # The first python3 on the path is often not Debian's, and only Debian's sees Debian's modules.
@@ -24,7 +27,7 @@ except ImportError as missing:
     for folder in ["/usr/bin"] + os.environ.get("PATH", "").split(":"):
         candidate = os.path.join(folder, "python3")
         if os.access(candidate, os.X_OK) and os.path.realpath(candidate) not in tried:
-            os.execv(candidate, [candidate, os.path.abspath(__file__)] + sys.argv[1:])
+            os.execv(candidate, [candidate, os.path.abspath(sys.argv[0])] + sys.argv[1:])
     sys.exit(f"stiffront plot: {missing}; install python3-h5py and python3-matplotlib "
              "(Debian: apt-get install python3-h5py python3-matplotlib)")
 
@@ -235,15 +238,141 @@ def draw_step_sizes(axes, history):
             axes.set_ylim(0, 1.3 * np.max(history["dt"][drawn]))
 
 
-def draw_errors(axes, history, tolerance):
-    if "error" not in history or not np.isfinite(history["error"]).any() or not (history["error"] > 0).any():
+def error_scale(case):
+    """What the column of errors counts in: (label, value of the tolerance there or None). Multistep methods give errors in units of
+    their tolerance."""
+    method = case.get("method", {})
+    for key in ("relative_tolerance", "tolerance"):
+        if isinstance(method.get(key), (int, float)) and method.get("name") in ("sbdf", "cvode", "auto"):
+            return f"error estimate / tolerance {method[key]:g}", 1.0
+    tolerance = method.get("tolerance")
+    return "error estimate", tolerance if isinstance(tolerance, (int, float)) else None
+
+
+def has_errors(history):
+    return "error" in history and bool((np.isfinite(history["error"]) & (history["error"] > 0)).any())
+
+
+def draw_errors(axes, history, case):
+    if not has_errors(history):
         note(axes, "this method estimates no error")
         axes.set_axis_off()
         return
-    draw_attempts(axes, history, "error", "error estimate")
+    label, tolerance = error_scale(case)
+    draw_attempts(axes, history, "error", label)
     if tolerance is not None:
-        axes.axhline(tolerance, color=REFERENCE, linestyle="--", linewidth=1.0, label=f"tolerance {tolerance:g}")
+        axes.axhline(tolerance, color=REFERENCE, linestyle="--", linewidth=1.0,
+                     label="tolerance" if label != "error estimate" else f"tolerance {tolerance:g}")
     axes.legend(fontsize="small")
+
+
+def varies(history, column):
+    values = history.get(column)
+    return values is not None and np.isfinite(values).any() and np.nanmax(values) > 0
+
+
+def means(time, values, bins):
+    """Means over equal spans of time in which there is something."""
+    edges = np.linspace(time[0], time[-1], bins + 1)
+    place = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, bins - 1)
+    count = np.bincount(place, minlength=bins)
+    filled = count > 0
+    total = np.bincount(place, weights=values, minlength=bins)
+    return 0.5 * (edges[:-1] + edges[1:])[filled], total[filled] / count[filled]
+
+
+def draw_shift(axes, history):
+    """The shift of the embedded splitting, which is chosen so that the critical step stays above the step."""
+    good = history["accepted"] & np.isfinite(history["epsilon"])
+    axes.step(history["time"][good], history["epsilon"][good], color=ACCEPTED, linewidth=1.0, where="post")
+    axes.set_ylim(0, 0.52)
+    axes.axhline(0.5, color=REFERENCE, linestyle="--", linewidth=1.0)
+    axes.set_xlabel("t")
+    axes.set_ylabel("shift ε")
+    axes.set_title("shift of the embedded splitting, below 1/2", fontsize="small")
+
+
+def draw_cost(axes, history, case):
+    """Stages, corrections or orders: what an accepted step takes."""
+    good = history["accepted"]
+    time = history["time"][good]
+    name = case.get("method", {}).get("name", "")
+    drawn = False
+    if varies(history, "iterations"):
+        label = "order" if name in ("sbdf", "cvode", "auto") else "corrections"
+        axes.step(time, history["iterations"][good], color=ACCEPTED, linewidth=0.9, where="post", label=label)
+        drawn = True
+    if varies(history, "diffusion_stages"):
+        label, at, stages = "diffusion stages", time, history["diffusion_stages"][good]
+        if len(stages) > 400:  # estimates of the critical step come every few steps: a line through all would be a band
+            at, stages = means(time, stages, 200)
+            label += ", mean"
+        axes.plot(at, stages, color=REJECTED, linewidth=1.0, linestyle=(0, (4, 1)), label=label)
+        drawn = True
+    axes.set_xlabel("t")
+    axes.set_ylabel("per step")
+    if not drawn:
+        note(axes, "nothing is counted per step")
+        axes.set_axis_off()
+        return
+    highest = max(np.nanmax(history[c][good]) for c in ("iterations", "diffusion_stages") if varies(history, c))
+    if highest > 50:
+        axes.set_yscale("symlog", linthresh=10)
+    axes.set_ylim(bottom=0)
+    axes.set_title("what a step takes", fontsize="small")
+    axes.legend(fontsize="small")
+
+
+def draw_wall_time(axes, history):
+    seconds = np.nancumsum(history["wall_seconds"])
+    axes.plot(history["time"], seconds, color=ACCEPTED, linewidth=1.2)
+    axes.set_xlabel("t")
+    axes.set_ylabel("wall time [s]")
+    axes.set_ylim(bottom=0)
+    axes.set_title(f"{seconds[-1]:.3g} s for {len(seconds)} attempts", fontsize="small")
+
+
+def draw_rank_work(axes, ranks, imbalance):
+    """Seconds of every rank, one bar each."""
+    numbers = np.arange(len(ranks))
+    bottom = np.zeros(len(ranks))
+    for key, label, color in (("diffusion_seconds", "diffusion", ACCEPTED), ("reaction_seconds", "reaction", REJECTED),
+                              ("communication_seconds", "communication", "#CCCCCC")):
+        seconds = np.array([number(rank.get(key)) for rank in ranks])
+        seconds[~np.isfinite(seconds)] = 0.0
+        if seconds.any():
+            axes.bar(numbers, seconds, bottom=bottom, color=color, label=label)
+            bottom += seconds
+    axes.set_xlabel("rank")
+    axes.set_ylabel("time [s]")
+    if len(ranks) <= 16:
+        axes.set_xticks(numbers)
+    axes.set_title(f"work of each rank, imbalance of the reaction {imbalance:.2f}", fontsize="small")
+    axes.margins(y=0.25)
+    axes.legend(fontsize="small", ncols=3)
+
+
+def read_summary(folder):
+    try:
+        with open(os.path.join(folder, "summary.json")) as file:
+            return json.load(file)
+    except (OSError, ValueError):
+        return {}
+
+
+def history_panels(history, case, summary):
+    """Functions that draw a panel each, in the order they are shown."""
+    panels = [lambda axes: draw_step_sizes(axes, history), lambda axes: draw_errors(axes, history, case)]
+    if varies(history, "epsilon"):
+        panels.append(lambda axes: draw_shift(axes, history))
+    if varies(history, "iterations") or varies(history, "diffusion_stages"):
+        panels.append(lambda axes: draw_cost(axes, history, case))
+    if varies(history, "wall_seconds"):
+        panels.append(lambda axes: draw_wall_time(axes, history))
+    ranks = summary.get("rank_work", [])
+    if len(ranks) > 1 and any(number(rank.get("reaction_seconds")) > 0 for rank in ranks):
+        panels.append(lambda axes: draw_rank_work(axes, ranks, number(summary.get("imbalance"))))
+    return panels
 
 
 def draw_fields_1d(figure, paths, species):
@@ -293,59 +422,181 @@ def choose_species(known, asked):
     return chosen
 
 
-def draw(folder, asked, target):
-    if not os.path.isdir(folder):
-        raise PlotError(5, f"{folder}: no such folder")
-    paths = field_files(folder)
-    if not paths:
-        raise PlotError(5, f"{folder}: no results here (fields-NNNNNN.h5)")
-    try:
-        with h5py.File(paths[0], "r") as first:
-            known, case = species_of(first), case_of(first)
-            dimension = len(first[known[0]].shape)
-    except (OSError, KeyError, IndexError) as error:
-        raise PlotError(5, f"{paths[0]}: {error}")
-    species = choose_species(known, asked)
-    history = read_history(os.path.join(folder, "history.csv"))
-    if dimension > 2:
-        raise PlotError(5, f"{folder}: {dimension}-dimensional results are not drawn here; open fields.xdmf in ParaView")
+class Results:
+    """A folder of results: its states, history and summary."""
 
-    if dimension == 1:
-        width, row_height, draw_fields = 10.0, 2.6, draw_fields_1d
-    else:
-        width, row_height, draw_fields = 3.0 * min(len(paths), MOST_MAPS) + 1.5, 2.9, draw_fields_2d
-    width = max(width, 8.0)
-    field_height, history_height = row_height * len(species) + 0.6, 2.8 if history else 0.0
-    figure = plt.figure(figsize=(width, field_height + history_height), layout="constrained")
-    if history:
-        upper, lower = figure.subfigures(2, 1, height_ratios=[field_height, history_height])
-    else:
-        upper = figure
-    draw_fields(upper, paths, species)
-    if history:
-        left, right = lower.subplots(1, 2)
-        draw_step_sizes(left, history)
-        tolerance = case.get("method", {}).get("tolerance")
-        draw_errors(right, history, tolerance if isinstance(tolerance, (int, float)) else None)
-    title = case.get("title")
-    if title:
-        figure.suptitle(title)
+    def __init__(self, folder, asked):
+        if not os.path.isdir(folder):
+            raise PlotError(5, f"{folder}: no such folder")
+        self.paths = field_files(folder)
+        if not self.paths:
+            raise PlotError(5, f"{folder}: no results here (fields-NNNNNN.h5)")
+        try:
+            with h5py.File(self.paths[0], "r") as first:
+                known, self.case = species_of(first), case_of(first)
+                self.dimension = len(first[known[0]].shape)
+                text = first.attrs.get("case", "")
+                self.case_text = text.decode() if isinstance(text, bytes) else str(text)
+        except (OSError, KeyError, IndexError) as error:
+            raise PlotError(5, f"{self.paths[0]}: {error}")
+        if self.dimension > 2:
+            raise PlotError(5, f"{folder}: {self.dimension}-dimensional results are not drawn here; open fields.xdmf in ParaView")
+        self.species = choose_species(known, asked)
+        self.history = read_history(os.path.join(folder, "history.csv"))
+        self.summary = read_summary(folder)
+        self.title = self.case.get("title", "")
+
+
+def save(figure, target):
     try:
         figure.savefig(target, dpi=150)
     except (OSError, ValueError) as error:
         raise PlotError(5, f"{target}: {error}")
 
 
+def size_of_fields(results):
+    """Width and height in inches of the part of a picture that shows states."""
+    if results.dimension == 1:
+        return 10.0, 2.6 * len(results.species) + 0.6
+    return max(3.0 * min(len(results.paths), MOST_MAPS) + 1.5, 8.0), 2.9 * len(results.species) + 0.6
+
+
+def draw_fields(figure, results):
+    (draw_fields_1d if results.dimension == 1 else draw_fields_2d)(figure, results.paths, results.species)
+
+
+def draw_history(figure, panels):
+    rows = (len(panels) + 1) // 2
+    axes = figure.subplots(rows, 2, squeeze=False).ravel()
+    for draw_panel, place in zip(panels, axes):
+        draw_panel(place)
+    for place in axes[len(panels):]:
+        place.set_axis_off()
+
+
+def draw(folder, asked, target):
+    results = Results(folder, asked)
+    width, field_height = size_of_fields(results)
+    panels = history_panels(results.history, results.case, results.summary) if results.history else []
+    history_height = 2.8 * ((len(panels) + 1) // 2)
+    figure = plt.figure(figsize=(width, field_height + history_height), layout="constrained")
+    if panels:
+        upper, lower = figure.subfigures(2, 1, height_ratios=[field_height, history_height])
+        draw_history(lower, panels)
+    else:
+        upper = figure
+    draw_fields(upper, results)
+    if results.title:
+        figure.suptitle(results.title)
+    save(figure, target)
+
+
+def animate(folder, asked, target, most_frames=200, frames_per_second=12):
+    """All states, one after the other, on axes that stay: a GIF, or with ffmpeg an MP4."""
+    results = Results(folder, asked)
+    states = read_states(evenly(results.paths, most_frames), results.species)
+    if len(states) < 2:
+        raise PlotError(5, f"{folder}: an animation needs two states or more; see [output] every")
+    film = target.lower().endswith(".mp4")
+    if film and not matplotlib.animation.FFMpegWriter.isAvailable():
+        raise PlotError(5, f"{target}: MP4 needs ffmpeg (Debian: apt-get install ffmpeg); without it write a .gif")
+    count = len(results.species)
+    columns = min(count, 3)
+    rows = (count + columns - 1) // columns
+    figure = plt.figure(figsize=(4.0 * columns, (3.4 if results.dimension == 2 else 2.8) * rows + 0.4), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
+    for place in axes[count:]:
+        place.set_axis_off()
+    drawn = []
+    for place, name in zip(axes, results.species):
+        low, high = span([state.values[name] for state in states])
+        if results.dimension == 1:
+            set_value_axis(place, low, high)
+            if not spans_decades(low, high) and high > low:
+                place.set_ylim(low - 0.04 * (high - low), high + 0.04 * (high - low))
+            place.set_xlabel("x")
+            place.set_ylabel(name)
+            place.margins(x=0)
+            drawn.append(place.plot(states[0].x, states[0].values[name], color=ACCEPTED, linewidth=1.3)[0])
+        else:
+            image = draw_map(figure, place, states[0], name, Normalize(low, high if high > low else low + (abs(low) or 1.0)))
+            place.set_title(name, fontsize="small")
+            figure.colorbar(image, ax=place, shrink=0.85)
+            drawn.append(image)
+    clock = figure.suptitle("t = 0")
+
+    def show(index):
+        state = states[index]
+        for artist, name in zip(drawn, results.species):
+            if results.dimension == 1:
+                artist.set_data(state.x, state.values[name])
+            else:
+                values = state.values[name]
+                step_y, step_x = (max(1, math.ceil(n / MOST_PIXELS)) for n in values.shape)
+                artist.set_data(values[::step_y, ::step_x])
+        clock.set_text(f"{results.title + ': ' if results.title else ''}t = {state.time:.4g}")
+        return drawn
+
+    film_of_states = matplotlib.animation.FuncAnimation(figure, show, frames=len(states), blit=False)
+    writer = (matplotlib.animation.FFMpegWriter(fps=frames_per_second, codec="h264", extra_args=["-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"])
+              if film else matplotlib.animation.PillowWriter(fps=frames_per_second))
+    try:
+        film_of_states.save(target, writer=writer, dpi=80)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise PlotError(5, f"{target}: {error}")
+
+
+def draw_convergence(folder, target):
+    """converge.json: error against step, one line a variant, with the order its last two points show."""
+    path = os.path.join(folder, "converge.json")
+    try:
+        with open(path) as file:
+            study = json.load(file)
+        rows = study["rows"]
+        variants = list(dict.fromkeys(str(row["variant"]) for row in rows))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise PlotError(5, f"{path}: {error}")
+    figure = plt.figure(figsize=(6.5, 4.8), layout="constrained")
+    axes = figure.subplots()
+    colors = plt.get_cmap("viridis")(np.linspace(0.0, 0.85, max(len(variants), 2)))
+    for variant, color, marker in zip(variants, colors, "osD^v<>Ph*" * 5):
+        points = sorted((number(row["step"]), number(row["error"])) for row in rows if str(row["variant"]) == variant)
+        points = [point for point in points if math.isfinite(point[1]) and point[1] > 0]
+        if not points:
+            continue
+        steps, errors = zip(*points)
+        label = variant
+        if len(points) > 1:
+            order = math.log(errors[1] / errors[0]) / math.log(steps[1] / steps[0])
+            label += f", order {order:.2f}"
+        axes.plot(steps, errors, color=color, marker=marker, markersize=5, linewidth=1.2, label=label)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("step size Δt")
+    axes.set_ylabel("relative error, discrete L2")
+    axes.grid(True, which="major", color="#DDDDDD", linewidth=0.6)
+    axes.set_title(f"{study.get('kind', '')} error; reference: {study.get('reference', '')}", fontsize="small")
+    axes.legend(fontsize="small")
+    save(figure, target)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="stiffront plot", description="Draws the results in an output folder.")
     parser.add_argument("folder", metavar="DIR", help="output folder of a run")
     parser.add_argument("--species", metavar="S", help="draw only these, separated by commas")
-    parser.add_argument("-o", "--output", metavar="F", help="picture file, .png or .svg (default: DIR/plot.png)")
+    parser.add_argument("-o", "--output", metavar="F", help="picture: .png or .svg (default: DIR/plot.png); or an animation: .gif, .mp4")
     arguments = parser.parse_args(arguments)
-    target = arguments.output or os.path.join(arguments.folder, "plot.png")
+    folder = arguments.folder
+    is_study = os.path.exists(os.path.join(folder, "converge.json")) and not field_files(folder)
+    target = arguments.output or os.path.join(folder, "converge.png" if is_study else "plot.png")
     plt.rcParams.update({"svg.fonttype": "none", "axes.grid": False, "font.size": 9})
     try:
-        draw(arguments.folder, arguments.species, target)
+        if is_study:
+            draw_convergence(folder, target)
+        elif target.lower().endswith((".gif", ".mp4")):
+            animate(folder, arguments.species, target)
+        else:
+            draw(folder, arguments.species, target)
     except PlotError as error:
         print(f"stiffront plot: {error}", file=sys.stderr)
         return error.status

@@ -57,7 +57,7 @@ void add_run(CLI::App& app, Arguments& arguments) {
 void add_commands(CLI::App& app, Arguments& arguments) {
   add_run(app, arguments);
   CLI::App* command =
-      app.add_subcommand("check", "Validate a case; print the complete case, defaults filled in, as TOML.");
+      app.add_subcommand("check", "Validate a case; print the complete case, defaults filled in, as TOML, and on standard error what to expect of it.");
   add_case(*command, arguments);
   command = app.add_subcommand("converge", "Measure the order of a method: the study [converge] of the case.");
   add_case(*command, arguments);
@@ -70,10 +70,16 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   command->add_option("NAME", arguments.name, "see stiffront list cases")->required();
   command = app.add_subcommand("info", "Say what is in a result or checkpoint file.");
   command->add_option("FILE.h5", arguments.name, "result or checkpoint file")->required();
-  command = app.add_subcommand("plot", "Draw the results in a directory: species, step sizes, errors.");
+  command = app.add_subcommand("plot", "Draw the results in a directory: species, step sizes, errors; or an animation; or an order study.");
   command->add_option("DIR", arguments.name, "output directory of a run")->required();
   command->add_option("--species", arguments.species, "draw this species only")->type_name("S");
-  command->add_option("-o,--output", arguments.output, "picture to write")->type_name("F");
+  command->add_option("-o,--output", arguments.output, "picture to write: .png, .svg, or an animation .gif, .mp4")->type_name("F");
+  command = app.add_subcommand("report", "Write one HTML file about the run in a directory, pictures and tables in it.");
+  command->add_option("DIR", arguments.name, "output directory of a run")->required();
+  command->add_option("--species", arguments.species, "show these species only")->type_name("S");
+  command->add_option("-o,--output", arguments.output, "file to write, instead of DIR/report.html")->type_name("F");
+  app.add_subcommand("manual-page", "Print the manual page.")->group("");
+  app.add_subcommand("bash-completion", "Print the completion for bash.")->group("");
   app.add_subcommand("input-reference", "Print the reference of all keys of a case file in Markdown.")->group("");
 }
 
@@ -95,8 +101,14 @@ Command command_of(const std::string& name, const Arguments& arguments) {
   if (name == "case") return CaseCommand{arguments.name};
   if (name == "info") return InfoCommand{arguments.name};
   if (name == "plot") return PlotCommand{arguments.name, if_given(arguments.species), if_given(arguments.output)};
+  if (name == "report") return ReportCommand{arguments.name, if_given(arguments.species), if_given(arguments.output)};
+  if (name == "manual-page") return ManualCommand{};
+  if (name == "bash-completion") return CompletionCommand{};
   return InputReferenceCommand{};
 }
+
+/// Commands for those who build and package the program.
+bool is_hidden(const std::string& name) { return name == "input-reference" || name == "manual-page" || name == "bash-completion"; }
 
 [[noreturn]] void refuse(const std::string& command, const std::string& problem) {
   const std::string program = command.empty() ? "stiffront" : "stiffront " + command;
@@ -121,6 +133,28 @@ std::vector<std::string> option_names(const CLI::App& command) {
 
 }  // namespace
 
+std::vector<CommandHelp> command_help() {
+  CLI::App app;
+  Arguments arguments;
+  add_commands(app, arguments);
+  std::vector<CommandHelp> all;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); })) {
+    CommandHelp help{command->get_name(), command->get_description(), {}, {}};
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->get_name() == "--help") continue;
+      if (option->get_positional()) {
+        help.positionals.push_back({option->get_name(true), "", option->get_description()});
+      } else {
+        std::string value = option->get_expected_max() > 0 ? option->get_type_name() : "";
+        value.resize(std::min(value.size(), value.find(':')));  // CLI11 adds what a check allows
+        help.options.push_back({option->get_name(false, true), value, option->get_description()});
+      }
+    }
+    all.push_back(std::move(help));
+  }
+  return all;
+}
+
 Command parse_command_line(int argc, const char* const* argv) {
   CLI::App app("Stiffront solves stiff reaction-diffusion equations on many processes.", "stiffront");
   app.footer(footer);
@@ -133,7 +167,7 @@ Command parse_command_line(int argc, const char* const* argv) {
   const std::vector<std::string> commands = command_names(app);
   if (first.empty()) refuse("", "no command given; commands: " + comma_list(commands));
   const bool is_command = std::find(commands.begin(), commands.end(), first) != commands.end();
-  if (first[0] != '-' && !is_command && first != "input-reference") {
+  if (first[0] != '-' && !is_command && !is_hidden(first)) {
     refuse("", "unknown command " + first + with_allowed(suggestion(first, commands), " commands", commands));
   }
   const CLI::App* command = nullptr;

@@ -14,21 +14,21 @@
 namespace stiffront::app {
 namespace {
 
-std::filesystem::path find_script() {
+std::filesystem::path find_script(const char* name) {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path installed = program.parent_path() / "../share/stiffront/plot/plot.py";
-  for (const std::filesystem::path& script : {installed, std::filesystem::path(STIFFRONT_PLOT_SCRIPT)}) {
+  const std::filesystem::path installed = program.parent_path() / "../share/stiffront/plot" / name;
+  const std::filesystem::path in_sources = std::filesystem::path(STIFFRONT_PLOT_FOLDER) / name;
+  for (const std::filesystem::path& script : {installed, in_sources}) {
     if (std::filesystem::exists(script, error)) return script;
   }
-  throw Error(ErrorKind::io, fmt::format("the plot script is neither {} nor {}", installed.lexically_normal().string(),
-                                         STIFFRONT_PLOT_SCRIPT));
+  throw Error(ErrorKind::io, fmt::format("the script is neither {} nor {}", installed.lexically_normal().string(), in_sources.string()));
 }
 
-}  // namespace
-
-void plot(const PlotCommand& command) {
-  std::vector<std::string> words = {"python3", find_script().string(), command.directory};
+/// @tparam Command with directory, species and output
+template <class Command>
+[[noreturn]] void become(const char* script, const Command& command) {
+  std::vector<std::string> words = {"python3", find_script(script).string(), command.directory};
   if (command.species) words.insert(words.end(), {"--species", *command.species});
   if (command.output) words.insert(words.end(), {"-o", *command.output});
   std::vector<char*> arguments;
@@ -38,5 +38,11 @@ void plot(const PlotCommand& command) {
   throw Error(ErrorKind::io,
               fmt::format("python3, which draws the pictures, cannot be started: {}", std::strerror(errno)));
 }
+
+}  // namespace
+
+void plot(const PlotCommand& command) { become("plot.py", command); }
+
+void report(const ReportCommand& command) { become("report.py", command); }
 
 }  // namespace stiffront::app

@@ -63,6 +63,8 @@ class Obey {
 
   int operator()(const AnswerCommand& command) const { return said(command.text + "\n"); }
   int operator()(const InputReferenceCommand&) const { return said(input_reference()); }
+  int operator()(const ManualCommand&) const { return said(manual_page()); }
+  int operator()(const CompletionCommand&) const { return said(bash_completion()); }
 
   int operator()(const CheckCommand& command) const {
     const CaseSource source = read_case_source(command.source.file, command.source.overrides);
@@ -101,6 +103,10 @@ class Obey {
 
   int operator()(const PlotCommand& command) const {
     if (speaks_without_mpi()) plot(command);
+    return 0;
+  }
+  int operator()(const ReportCommand& command) const {
+    if (speaks_without_mpi()) report(command);
     return 0;
   }
 

@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
 #include "stiffront/core/error.hpp"
 #include "stiffront/core/version.hpp"
 
@@ -65,12 +70,16 @@ TEST(CommandLine, OtherCommandsHaveTheirArguments) {
   EXPECT_EQ(plot.species, "a");
   EXPECT_EQ(plot.output, "a.png");
   EXPECT_EQ(std::get<PlotCommand>(parse({"plot", "out"})).output, std::nullopt);
+  const auto report = std::get<ReportCommand>(parse({"report", "out", "-o", "a.html"}));
+  EXPECT_EQ(report.directory, "out");
+  EXPECT_EQ(report.output, "a.html");
+  EXPECT_EQ(report.species, std::nullopt);
   EXPECT_TRUE(std::holds_alternative<InputReferenceCommand>(parse({"input-reference"})));
 }
 
 TEST(CommandLine, HelpAndVersionAreAnswered) {
   const std::string help = std::get<AnswerCommand>(parse({"--help"})).text;
-  for (const char* word : {"run", "check", "converge", "list", "case", "info", "plot", "Exit status"}) {
+  for (const char* word : {"run", "check", "converge", "list", "case", "info", "plot", "report", "Exit status"}) {
     EXPECT_NE(help.find(word), std::string::npos) << word;
   }
   EXPECT_EQ(help.find("input-reference"), std::string::npos);
@@ -86,7 +95,7 @@ TEST(CommandLine, HelpAndVersionAreAnswered) {
 }
 
 TEST(CommandLine, MistakesAreExplained) {
-  const std::string commands = "run, check, converge, list, case, info, plot";
+  const std::string commands = "run, check, converge, list, case, info, plot, report";
   EXPECT_EQ(message_of({}), "no command given; commands: " + commands + "; see stiffront --help");
   EXPECT_EQ(message_of({"rnu"}),
             "unknown command rnu; did you mean run? Allowed commands: " + commands + "; see stiffront --help");
@@ -100,6 +109,31 @@ TEST(CommandLine, MistakesAreExplained) {
   EXPECT_EQ(message_of({"run", "a.toml", "-o"}), "--output: 1 required DIR missing; see stiffront run --help");
   EXPECT_EQ(message_of({"list", "modls"}), "WHAT: modls not in {cases,models,methods}; see stiffront list --help");
   EXPECT_EQ(message_of({"case", "a", "b"}), "unexpected argument b; see stiffront case --help");
+}
+
+std::string content_of(const std::string& path) {
+  std::ifstream file(std::string(STIFFRONT_SOURCE_DIR) + "/" + path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+TEST(Packaging, ManualPageAndCompletionAreWhatTheProgramSays) {
+  EXPECT_EQ(content_of("packaging/stiffront.1"), manual_page()) << "make it again: stiffront manual-page > packaging/stiffront.1";
+  EXPECT_EQ(content_of("packaging/completion/stiffront"), bash_completion())
+      << "make it again: stiffront bash-completion > packaging/completion/stiffront";
+}
+
+TEST(Packaging, HelpIsKnownForEveryCommand) {
+  const std::vector<CommandHelp> commands = command_help();
+  ASSERT_EQ(commands.size(), 8U);
+  EXPECT_EQ(commands[0].name, "run");
+  ASSERT_EQ(commands[0].options.size(), 5U);
+  EXPECT_EQ(commands[0].options[0].name, "-o,--output");
+  EXPECT_EQ(commands[0].options[0].value, "DIR");
+  EXPECT_EQ(commands[0].options[1].value, "");
+  EXPECT_EQ(commands[0].options[4].value, "auto|always|never");
+  EXPECT_EQ(commands[7].positionals[0].name, "DIR");
 }
 
 }  // namespace

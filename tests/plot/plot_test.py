@@ -5,6 +5,7 @@
 import contextlib
 import importlib.util
 import io
+import json
 import math
 import os
 import subprocess
@@ -107,6 +108,49 @@ class PlotTest(unittest.TestCase):
         for label in ("A synthetic wave", ">a<", ">b<", ">c<", "a: profiles stacked in time", "log c: profiles stacked in time", "accepted", "rejected",
                       "52 steps accepted, 8 rejected", "step size", "critical step", "error estimate",
                       "tolerance 0.001"):
+            self.assertIn(label, text)
+
+    def test_errors_of_multistep_methods_are_in_units_of_their_tolerance(self):
+        x = np.linspace(0.0, 1.0, 11)
+        for step in (0, 1):
+            write_state(self.folder, step, float(step), {"u": x}, x, case='[method]\nname = "sbdf"\nrelative_tolerance = 1e-6\n')
+        write_history(self.folder)
+        text = self.svg()
+        self.assertIn("error estimate / tolerance 1e-06", text)
+        self.assertIn(">order<", text)
+
+    def test_shift_cost_wall_time_and_ranks_have_panels(self):
+        write_1d(self.folder)
+        write_history(self.folder)
+        with open(os.path.join(self.folder, "summary.json"), "w") as file:
+            file.write('{"imbalance": 1.25, "rank_work": [{"reaction_seconds": 1.0}, {"reaction_seconds": 1.5, "diffusion_seconds": "nan"}]}')
+        text = self.svg()
+        for label in ("shift ε", "what a step takes", "diffusion stages", "wall time [s]", "imbalance of the reaction 1.25", ">rank<"):
+            self.assertIn(label, text)
+
+    def test_an_animation_has_a_frame_for_each_state(self):
+        from PIL import Image
+        x, y = np.linspace(0.0, 1.0, 31), np.linspace(0.0, 0.5, 21)
+        for i in range(4):
+            write_state(self.folder, i, 0.5 * i, {"u": front(np.hypot(*np.meshgrid(x, y)), 0.25 * i)}, x, y)
+        target = os.path.join(self.folder, "film.gif")
+        self.assertEqual(self.plot("-o", target).returncode, 0)
+        with Image.open(target) as film:
+            self.assertEqual(film.n_frames, 4)
+
+    def test_one_state_is_no_animation(self):
+        write_1d(self.folder, outputs=1)
+        result = self.plot("-o", os.path.join(self.folder, "film.gif"))
+        self.assertEqual(result.returncode, 5)
+        self.assertIn("two states", result.stderr)
+
+    def test_an_order_study_is_drawn_with_the_orders_observed(self):
+        rows = [{"step": 0.1 / 2**k, "variant": v, "error": 0.01 / 2 ** (p * k), "order": None} for v, p in (("lie", 1), ("strang", 2))
+                for k in range(4)] + [{"step": 0.2, "variant": "lie", "error": "nan"}]
+        with open(os.path.join(self.folder, "converge.json"), "w") as file:
+            json.dump({"kind": "global", "reference": "cvode", "rows": rows}, file)
+        text = self.svg()
+        for label in ("lie, order 1.00", "strang, order 2.00", "global error; reference: cvode"):
             self.assertIn(label, text)
 
     def test_species_option_draws_only_what_was_asked(self):

@@ -46,18 +46,47 @@ struct PlotCommand {
   std::optional<std::string> species;
   std::optional<std::string> output;
 };
+struct ReportCommand {
+  std::string directory;
+  std::optional<std::string> species;
+  std::optional<std::string> output;
+};
 struct InputReferenceCommand {};
+struct ManualCommand {};
+struct CompletionCommand {};
 /// --help, --version: the answer itself.
 struct AnswerCommand {
   std::string text;
 };
 
 using Command = std::variant<RunCommand, CheckCommand, ConvergeCommand, ListCommand, CaseCommand, InfoCommand,
-                             PlotCommand, InputReferenceCommand, AnswerCommand>;
+                             PlotCommand, ReportCommand, InputReferenceCommand, ManualCommand, CompletionCommand, AnswerCommand>;
 
 /// Needs no MPI.
 /// @throws Error(usage) that says what is wrong and what is allowed
 Command parse_command_line(int argc, const char* const* argv);
+
+/// What the help of a command says.
+struct CommandHelp {
+  struct Entry {
+    std::string name;  ///< "CASE.toml" or "-o,--output"
+    std::string value;  ///< of an option that takes one, "DIR"; otherwise empty
+    std::string description;
+  };
+  std::string name;
+  std::string description;
+  std::vector<Entry> positionals;
+  std::vector<Entry> options;
+};
+
+/// Every command but the hidden ones.
+std::vector<CommandHelp> command_help();
+
+/// The manual page stiffront(1), in the language of man.
+std::string manual_page();
+
+/// Completion of commands, options, built-in cases and keys for bash.
+std::string bash_completion();
 
 /// Version, revision, compiler and libraries: what --version prints.
 std::string version_text();
