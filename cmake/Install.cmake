@@ -12,6 +12,7 @@ install(PROGRAMS ${PROJECT_SOURCE_DIR}/drivers/plot/plot.py ${PROJECT_SOURCE_DIR
   DESTINATION ${CMAKE_INSTALL_DATADIR}/stiffront/plot)
 install(FILES ${PROJECT_SOURCE_DIR}/drivers/plot/report.css ${PROJECT_SOURCE_DIR}/drivers/plot/report.js
   DESTINATION ${CMAKE_INSTALL_DATADIR}/stiffront/plot)
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/packaging/slurm/stiffront.sbatch DESTINATION ${CMAKE_INSTALL_DATADIR}/stiffront/slurm)
 install(FILES ${PROJECT_SOURCE_DIR}/packaging/stiffront.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${PROJECT_SOURCE_DIR}/packaging/completion/stiffront DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
