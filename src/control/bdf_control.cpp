@@ -16,6 +16,9 @@ constexpr double worth_lowering = 0.9;
 /// below 4 (docs/sbdf-stability.md).
 constexpr std::array<double, 6> max_growth{0.0, 3.0, 1.8, 1.4, 1.25, 1.2};
 
+/// What max_growth makes of a step in eight, by order: where the step may grow much, a low order gets there sooner.
+constexpr std::array<double, 7> reach{0.0, 81.0, 4.80, 1.96, 1.43, 1.28, 0.0};
+
 /// Ringing: the error at order 2, over the tolerance, up to which it may pay to use quiet orders; steps at order 1
 /// before that, and steps after which it must have paid; the growth of the step that counts as such.
 constexpr double worth_a_trial = 2.0;
@@ -44,10 +47,16 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
   int next = order_;
   const double lower = order_ > 1 ? ratio_for(errors.lower, order_ - 1) : 0.0;
   const double upper = order_ < highest_order() ? ratio_for(errors.upper, order_ + 1) : 0.0;
-  if (lower > ratio && lower > upper) {
+  const auto reached = [](double wanted, int order) {
+    return std::min(wanted, reach[static_cast<std::size_t>(order)]);
+  };
+  const double here = reached(ratio, order_);
+  const double below = reached(lower, order_ - 1);
+  const double above = reached(upper, order_ + 1);
+  if (below > here && below > above) {
     next = order_ - 1;
     ratio = lower;
-  } else if (upper > ratio) {
+  } else if (above > here) {
     next = order_ + 1;
     ratio = upper;
   }

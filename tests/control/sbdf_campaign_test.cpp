@@ -172,6 +172,8 @@ TEST(SbdfCampaign, RandomModelsEndNearTheSolution) {
   const unsigned n = asked != nullptr ? static_cast<unsigned>(std::atoi(asked)) : 150U;
   std::int64_t accepted = 0;
   std::int64_t rejected = 0;
+  unsigned failed = 0;
+  unsigned poor = 0;
   for (unsigned seed = 0; seed < n; ++seed) {
     const Problem p(seed);
     const Outcome r = solve(p, comm, [&](Field& u, CoupledRhs& rhs, const ModelKernels& model) {
@@ -182,17 +184,31 @@ TEST(SbdfCampaign, RandomModelsEndNearTheSolution) {
     });
     accepted += r.progress.accepted;
     rejected += r.progress.rejected;
-    EXPECT_TRUE(r.failure.empty()) << "seed " << seed << ": " << r.failure;
+    if (!r.failure.empty()) {
+      // Limit cycles with some 10^5 turns do not end within max_steps.
+      EXPECT_NE(r.failure.find("max_steps"), std::string::npos) << "seed " << seed << ": " << r.failure;
+      ++failed;
+      continue;
+    }
     const Outcome exact = by_cvode(p, comm, 1e-9);
     if (!exact.failure.empty()) continue;
     const double error = difference(r, exact);
     if (error <= 100.0 * p.tolerance) continue;
-    // Where errors grow on their way to the end they do so in every method.
+    // Where errors grow on their way to the end (phases of limit cycles) they do so in every method.
     const double other = difference(by_cvode(p, comm, p.tolerance), exact);
-    EXPECT_LT(error, 10.0 * other) << "seed " << seed << ", tolerance " << p.tolerance;
+    if (error <= 10.0 * other) continue;
+    ++poor;
+    EXPECT_LT(error, 1000.0 * p.tolerance) << "seed " << seed << ", tolerance " << p.tolerance;
+    if (asked != nullptr) {
+      fmt::print("seed {}, tolerance {}: error {:.2g}, that of CVODE {:.2g}\n", seed, p.tolerance, error, other);
+    }
   }
-  EXPECT_LT(static_cast<double>(rejected), 0.08 * static_cast<double>(accepted));
-  if (asked != nullptr) fmt::print("{} models: {} steps, {} rejected\n", n, accepted, rejected);
+  EXPECT_LE(failed, 1 + n / 1000);
+  EXPECT_LE(poor, 1 + n / 1000);
+  EXPECT_LT(static_cast<double>(rejected), 0.05 * static_cast<double>(accepted));
+  if (asked != nullptr) {
+    fmt::print("{} models: {} steps, {} rejected; {} runs too long\n", n, accepted, rejected, failed);
+  }
 }
 
 }  // namespace

@@ -379,6 +379,26 @@ TEST(Sbdf, AStepTooLongForAllSweepsIsRejectedWithAReason) {
   EXPECT_FALSE(a.reason.empty());
 }
 
+TEST(Sbdf, SaysAtTheEndHowManyStepsDiffusionKeptShort) {
+  const auto note = [](int dimension, int max_sweeps) {
+    Case<Inert> c(unit_grid(101, dimension == 2 ? 5 : 1), {1.0});
+    c.u = c.problem.field([](int, double x, double) { return std::cos(std::numbers::pi * x); });
+    SbdfOptions options;
+    options.max_sweeps = max_sweeps;
+    Sbdf method(c.u, c.rhs, c.model, options);
+    Schedule schedule;
+    schedule.end = 0.1;
+    Progress progress;
+    Observer nobody;
+    evolve(method, schedule, c.u, progress, nobody);
+    return method.closing_note();
+  };
+  EXPECT_NE(note(2, 2).find("diffusion limited"), std::string::npos);
+  EXPECT_NE(note(2, 2).find("max_sweeps = 2"), std::string::npos);
+  EXPECT_EQ(note(2, sbdf_max_sweeps), "");
+  EXPECT_EQ(note(1, 2), "") << "in one dimension all cells are coupled instead";
+}
+
 TEST(Sbdf, ASpeciesThatBeginsAtZeroDoesNotStopTheRun) {
   Case<SlavedOscillator> c(Grid{1, {51, 1}, {0.0, 0.0}, {20.0, 1.0}}, {0.1, 0.0, 0.0});
   c.u = c.problem.field([](int s, double x, double) { return s == 0 ? (x < 5.0 ? 1.0 : 0.0) : 0.0; });
