@@ -110,12 +110,23 @@ struct Mask {
   Mask& operator|=(Mask b) { v |= b.v; return *this; }
 };
 
+#if defined(__AVX__) || !defined(__SSE2__)
 inline Mask operator<(Pack a, Pack b) { return Mask(a.v < b.v); }
 inline Mask operator<=(Pack a, Pack b) { return Mask(a.v <= b.v); }
 inline Mask operator>(Pack a, Pack b) { return Mask(a.v > b.v); }
 inline Mask operator>=(Pack a, Pack b) { return Mask(a.v >= b.v); }
 inline Mask operator==(Pack a, Pack b) { return Mask(a.v == b.v); }
 inline Mask operator!=(Pack a, Pack b) { return Mask(a.v != b.v); }
+#else
+// Where the target does not compare 64-bit integers, g++ 12 can fail with an internal error on conditions of vectors: neither
+// comparisons nor select() are written as such there.
+inline Mask operator<(Pack a, Pack b) { return Mask(reinterpret_cast<Mask::Vector>(_mm_cmplt_pd(a.v, b.v))); }
+inline Mask operator<=(Pack a, Pack b) { return Mask(reinterpret_cast<Mask::Vector>(_mm_cmple_pd(a.v, b.v))); }
+inline Mask operator>(Pack a, Pack b) { return Mask(reinterpret_cast<Mask::Vector>(_mm_cmpgt_pd(a.v, b.v))); }
+inline Mask operator>=(Pack a, Pack b) { return Mask(reinterpret_cast<Mask::Vector>(_mm_cmpge_pd(a.v, b.v))); }
+inline Mask operator==(Pack a, Pack b) { return Mask(reinterpret_cast<Mask::Vector>(_mm_cmpeq_pd(a.v, b.v))); }
+inline Mask operator!=(Pack a, Pack b) { return Mask(reinterpret_cast<Mask::Vector>(_mm_cmpneq_pd(a.v, b.v))); }
+#endif
 
 /// Lane l of the result is bit l.
 inline unsigned bits(Mask m) {
@@ -134,7 +145,14 @@ inline bool all(Mask m) { return bits(m) == (1U << pack_size) - 1U; }
 inline bool none(Mask m) { return bits(m) == 0; }
 
 /// m ? a : b in each lane.
-inline Pack select(Mask m, Pack a, Pack b) { return Pack(m.v ? a.v : b.v); }
+inline Pack select(Mask m, Pack a, Pack b) {
+#if defined(__AVX__) || !defined(__SSE2__)
+  return Pack(m.v ? a.v : b.v);
+#else
+  const __m128d where = reinterpret_cast<__m128d>(m.v);
+  return Pack(static_cast<Pack::Vector>(_mm_or_pd(_mm_and_pd(where, a.v), _mm_andnot_pd(where, b.v))));
+#endif
+}
 
 /// Writes the lanes of the mask only.
 inline void store_lanes(Pack x, double* p, Mask m) {
