@@ -46,16 +46,17 @@ struct Outcome {
 
 class Recorder final : public Observer {
  public:
-  explicit Recorder(Outcome& outcome) : outcome_(&outcome) {}
+  Recorder(Outcome& outcome, std::int64_t steps) : outcome_(&outcome), steps_(steps) {}
   void attempted(const StepRecord& r) override {
     outcome_->dt.push_back(r.dt);
     outcome_->error.push_back(r.attempt.error);
     outcome_->work += r.attempt.work;
   }
-  bool carry_on(std::uint64_t, std::int64_t step, double, double, Field&) override { return step < 70; }
+  bool carry_on(std::uint64_t, std::int64_t step, double, double, Field&) override { return step < steps_; }
 
  private:
   Outcome* outcome_;
+  std::int64_t steps_;
 };
 
 template <class M>
@@ -75,7 +76,7 @@ Outcome run(const DiffusionProblem& p, double tolerance, const std::vector<doubl
   options.max_sweeps = max_sweeps;
   Sbdf method(r.u, rhs, model, options);
   Progress progress;
-  Recorder recorder(r);
+  Recorder recorder(r, max_sweeps == 1 ? 250 : 70);
   evolve(method, Schedule{}, r.u, progress, recorder);
   return r;
 }
@@ -96,7 +97,7 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
     for (double tolerance : {1e-2, 1e-5}) {
       const Outcome expected = run<M>(alone, tolerance, amplitude, max_sweeps);
       line_solves += expected.work.line_solves;
-      if (tolerance == 1e-2 && max_sweeps > 2) {
+      if (tolerance == 1e-2 && max_sweeps > 1) {
         EXPECT_GT(expected.work.sweeps, static_cast<std::int64_t>(expected.dt.size()))
             << "several sweeps a step are tested";
       }
@@ -126,7 +127,7 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
   compare(Bz{}, {0.25, 0.25, 0.15}, {5.0, 0.5, 0.2});
   if (setting.grid.dimension == 1) {
     const std::int64_t before = line_solves;
-    compare(Pulse{}, {3e4, 0.0}, {1.0, 1.0}, 1);
+    compare(Pulse{}, {100.0, 0.0}, {1.0, 1.0}, 1);
     EXPECT_GT(line_solves, before) << "cells are coupled where diffusion is stiff";
   }
   compare(Pulse{}, {0.5, 0.0}, {1.0, 1.0});
