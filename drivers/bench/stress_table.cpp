@@ -7,7 +7,7 @@
 //
 // METHOD: sbdf, auto, cvode-band or cvode-gmres. References (CVODE, banded at a relative tolerance of 1e-11, in two
 // dimensions with GMRES at 1e-10) are kept in DIRECTORY. Errors: root mean square over the points, divided by the
-// largest modulus, worst species. A run's seconds are those of its time loop.
+// largest modulus, worst species. Seconds are those of the time loop, the least of three runs.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -193,7 +193,10 @@ int table(const std::vector<std::string>& arguments) {
     std::string seconds;
     std::vector<std::string> notes;
     for (double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
-      const Run r = run(stress, method_overrides(arguments[1], tolerance), comm);
+      Run r = run(stress, method_overrides(arguments[1], tolerance), comm);
+      for (int repeat = 1; repeat < 3; ++repeat) {
+        r.seconds = std::min(r.seconds, run(stress, method_overrides(arguments[1], tolerance), comm).seconds);
+      }
       const auto passes = r.work.sweeps + r.work.line_solves + r.work.rhs_evaluations;
       fmt::print(" | {}/{}/{} {}", r.progress.accepted, r.progress.rejected, passes,
                  r.failure.empty() ? fmt::format("{:.1e}", error(r, exact)) : "failed: " + r.failure);

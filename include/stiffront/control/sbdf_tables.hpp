@@ -424,11 +424,11 @@ constexpr double sbdf_z_limit(int order, int sweeps) {
 /// The part of sbdf_z_limit to use: 0.7 for orders 1 and 2, 0.9 for orders 3 to 5.
 ///
 /// Unequal steps, the smallest sufficient number of sweeps in every step: random ratios in [0.5, g], g = 2, 1.8, 1.4,
-/// 1.25, 1.2 for orders 1..5, keep all modes bounded up to factors of 1.09, 1.17, 1.35, 1.38, 1.38 of the limit. The
+/// 1.25, 1.2 for orders 1..5, keep all modes bounded up to factors of 0.99, 1.05, 1.22, 1.26, 1.26 of the limit. The
 /// most harmful pattern, up by g and down again in every other step, allows 0.59, 0.66, 0.92, 1.04, 1.04; if a raised or
-/// lowered step is held for order + 1 steps, halving and raising in turn allows 0.84, 1.07, 1.11, 1.12, 1.15.
+/// lowered step is held for order + 1 steps, halving and raising in turn allows 0.84, 1.06, 1.05, 1.12, 1.11.
 /// Raise order 5 by 1.2 only with that hold, or else by 1.1 at most: raising by 1.2 in every step amplifies a
-/// disturbance about 2000 times on the way through the table, because BDF5 does so without any sweeps.
+/// disturbance some 10^4 times on the way through the table, because BDF5 does so without any sweeps.
 /// Damped oscillating reactions: 0.7 leaves orders 1 and 2 A-stable in the presence of diffusion (0.9 would leave 65
 /// degrees at order 2); 0.9 leaves 76 degrees at order 3 (0.8 all of its 86) and the full sector of orders 4 and 5.
 constexpr double sbdf_z_safety(int order) { return order <= 2 ? 0.7 : 0.9; }
