@@ -8,6 +8,14 @@ add_test(NAME documentation.links
   COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_SOURCE_DIR}/docs/links_test.cmake)
 set_tests_properties(documentation.links layering layering.check_finds_broken_trees PROPERTIES LABELS repository TIMEOUT 60)
 
+find_program(STIFFRONT_DOXYGEN NAMES doxygen)
+if(STIFFRONT_DOXYGEN)
+  add_test(NAME documentation.doxygen
+    COMMAND sh -c "(cat docs/Doxyfile; echo OUTPUT_DIRECTORY=${CMAKE_CURRENT_BINARY_DIR}/doxygen) | ${STIFFRONT_DOXYGEN} -"
+    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(documentation.doxygen PROPERTIES LABELS repository TIMEOUT 120)
+endif()
+
 foreach(step install find_package pkg_config)
   add_test(NAME consumer.${step}
     COMMAND ${CMAKE_COMMAND} -D STEP=${step} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${CMAKE_CURRENT_SOURCE_DIR}/consumer
@@ -23,5 +31,7 @@ find_program(STIFFRONT_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)  # D
 if(STIFFRONT_PYTHON)
   add_test(NAME plot COMMAND ${STIFFRONT_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/plot/plot_test.py)
   add_test(NAME report COMMAND ${STIFFRONT_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/plot/report_test.py)
-  set_tests_properties(plot report PROPERTIES LABELS repository TIMEOUT 120 SKIP_RETURN_CODE 77)
+  add_test(NAME xdmf COMMAND ${STIFFRONT_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/plot/xdmf_test.py $<TARGET_FILE:stiffront_program>)
+  set_tests_properties(xdmf PROPERTIES ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1")
+  set_tests_properties(plot report xdmf PROPERTIES LABELS repository TIMEOUT 120 SKIP_RETURN_CODE 77)
 endif()

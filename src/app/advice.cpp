@@ -81,9 +81,10 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
   std::vector<std::string> lines;
   const double attempts = static_cast<double>(summary.accepted + summary.rejected);
   if (errors.tolerance() > 0.0 && errors.estimates() > 0) {
-    lines.push_back(fmt::format("error in time: the estimates of the {} steps add up to {:.2g} (largest {:.2g}, tolerance {:.2g} a step); where the "
-                                "model damps, the error of the final state is smaller, where it amplifies, larger. A tolerance ten times smaller tells.",
-                                summary.accepted, errors.sum(), errors.largest(), errors.tolerance()));
+    lines.push_back(fmt::format("error in time: every step's estimate is within the tolerance {:.2g} (largest {:.2g}, sum over {} steps {:.2g}). What is "
+                                "left of that at the end is up to the model: waves and patterns that attract forget most of it, chaos amplifies it. A "
+                                "run with a tolerance ten times smaller tells.",
+                                errors.tolerance(), errors.largest(), summary.accepted, errors.sum()));
   } else if (!(errors.tolerance() > 0.0)) {
     lines.emplace_back("error in time: not estimated with fixed steps; run again with half the step, or see stiffront converge");
   }

@@ -42,34 +42,25 @@ void XdmfSeries::add(double time, const std::string& file_name) {
 }
 
 std::string XdmfSeries::text() const {
+  // A uniform grid of three dimensions with one layer, and one row in 1-D, slowest direction first. Of the forms the format has this is
+  // the one that all readers of ParaView 5.11 (XDMF 2 and 3) put where it belongs; grids of coordinate arrays crash them or come out at 0.
   const bool plane = grid_.dimension == 2;
-  const std::string n_x = fmt::format("{}", grid_.points[0]);
-  const std::string n_y = fmt::format("{}", grid_.points[1]);
-  const std::string extent = plane ? n_y + " " + n_x : n_x;
+  const std::string extent = fmt::format("1 {} {}", plane ? grid_.points[1] : 1, grid_.points[0]);
+  const std::string origin = fmt::format("0 {} {}", plane ? grid_.lower[1] : 0.0, grid_.lower[0]);
+  const std::string spacing = fmt::format("1 {} {}", plane ? grid_.spacing(1) : 1.0, grid_.spacing(0));
+  const auto three_numbers = [](const std::string& numbers) {
+    return fmt::format("          <DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{}</DataItem>\n", numbers);
+  };
   std::string xml =
       "<?xml version=\"1.0\" ?>\n"
       "<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" []>\n"
       "<Xdmf Version=\"2.0\">\n"
-      "  <Domain>\n";
-  if (!plane) {
-    // The second coordinate of the polyline's points, once for all states.
-    xml += fmt::format("    <DataItem Name=\"zero\" Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"{}\">", n_x);
-    for (std::int64_t i = 0; i < grid_.points[0]; ++i) xml += i % 60 == 59 ? "0\n" : "0 ";
-    xml += "</DataItem>\n";
-  }
-  xml += "    <Grid Name=\"states\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+      "  <Domain>\n"
+      "    <Grid Name=\"states\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (const Entry& e : entries_) {
     xml += fmt::format("      <Grid Name=\"state\" GridType=\"Uniform\">\n        <Time Value=\"{}\" />\n", e.time);
-    if (plane) {
-      xml += fmt::format("        <Topology TopologyType=\"2DRectMesh\" Dimensions=\"{}\" />\n        <Geometry GeometryType=\"VXVY\">\n",
-                         extent);
-      xml += "          " + dataset(n_x, e.file_name, "x") + "\n          " + dataset(n_y, e.file_name, "y") + "\n";
-    } else {
-      xml += fmt::format("        <Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"{}\" />\n", n_x);
-      xml += "        <Geometry GeometryType=\"X_Y\">\n          " + dataset(n_x, e.file_name, "x") +
-             "\n          <DataItem Reference=\"XML\">/Xdmf/Domain/DataItem[@Name=\"zero\"]</DataItem>\n";
-    }
-    xml += "        </Geometry>\n";
+    xml += fmt::format("        <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{}\" />\n", extent);
+    xml += "        <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n" + three_numbers(origin) + three_numbers(spacing) + "        </Geometry>\n";
     for (const std::string& s : species_) {
       xml += fmt::format("        <Attribute Name=\"{}\" AttributeType=\"Scalar\" Center=\"Node\">\n          {}\n        </Attribute>\n",
                          escaped(s), dataset(extent, e.file_name, s));

@@ -184,7 +184,7 @@ TEST(Advice, NamesWhatStandsOut) {
   summary.negatives = 3;
   summary.wall_seconds = {{"communication", 9.0}, {"output", 12.0}, {"total", 20.0}};
   const std::vector<std::string> lines = advice(c, summary, errors, {0.5, 0.0, 0.0});
-  for (const char* part : {"add up to 0.0005", "miss 50 % of the diffusion of a", "far above the one in time", "33 % of the attempts were rejected",
+  for (const char* part : {"sum over 100 steps 0.0005", "miss 50 % of the diffusion of a", "far above the one in time", "33 % of the attempts were rejected",
                            "critical splitting step", "imbalance 1.50", "output took long", "waiting for other ranks", "3 states held negative"}) {
     EXPECT_TRUE(says(lines, part));
   }

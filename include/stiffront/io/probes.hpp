@@ -12,7 +12,7 @@ namespace stiffront {
 /// probes.csv: the values of all species at some points after each accepted step, by multilinear interpolation between the grid points
 /// around them (exact at a grid point).
 ///
-/// Columns: step (accepted steps so far), time, then SPECIES@X or SPECIES@X:Y for each point. Every rank keeps the corner values it owns;
+/// Columns: step (accepted steps so far), time, then SPECIES\@X or SPECIES\@X:Y for each point. Every rank keeps the corner values it owns;
 /// they travel once per batch, and root interpolates, so the digits do not depend on the number of ranks.
 class Probes {
  public:

@@ -24,7 +24,8 @@ struct Radau5Tolerances {
   /// error of the solution itself, not of a formula of lower order. Squared factor by which those are smaller.
   double refined_squared;
 
-  /// @param absolute one per species, positive
+  /// @param absolute_tolerance one per species, positive
+  /// @param relative_tolerance positive
   /// @param newton in units of the transformed tolerance; 0 chooses min(0.03, sqrt(relative))
   Radau5Tolerances(double relative_tolerance, const double* absolute_tolerance, double newton = 0.0) {
     relative = 0.1 * std::pow(relative_tolerance, 2.0 / 3.0);
