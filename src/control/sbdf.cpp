@@ -32,12 +32,6 @@ std::span<const double> line_factors(int space_order) {
 /// everywhere.
 double line_cost(int n_species) { return std::min(3.0 + 10.0 * n_species, 35.0); }
 
-/// Tighter tolerances mean more steps, whose errors add up: the error of a run falls with the 5/6th power of that of a
-/// step at order 5, and somewhat slower where the order rises too. So the tolerance of a step is that asked for times
-/// (relative tolerance / loosest_scaled)^scaling, which makes the errors of runs fall with the tolerance.
-constexpr double loosest_scaled = 1e-3;
-constexpr double scaling = 0.2;
-
 SbdfOptions checked(SbdfOptions o, int n_species) {
   if (!(o.relative_tolerance > 0.0)) {
     throw Error(ErrorKind::input,
@@ -64,14 +58,18 @@ SbdfOptions checked(SbdfOptions o, int n_species) {
   if (!(o.initial_step >= 0.0)) {
     throw Error(ErrorKind::input, fmt::format("method.initial_step: expected a number >= 0, got {}", o.initial_step));
   }
-  // From errors of steps to errors of runs.
-  const double factor = std::min(1.0, std::pow(o.relative_tolerance / loosest_scaled, scaling));
-  o.relative_tolerance *= factor;
-  for (double& a : o.absolute_tolerance) a *= factor;
+  const double of_step = sbdf_step_tolerance(o.relative_tolerance);
+  for (double& a : o.absolute_tolerance) a *= of_step / o.relative_tolerance;
+  o.relative_tolerance = of_step;
   return o;
 }
 
 }  // namespace
+
+double sbdf_step_tolerance(double relative_tolerance) {
+  constexpr double loosest_scaled = 1e-3;
+  return relative_tolerance * std::min(1.0, std::pow(relative_tolerance / loosest_scaled, 0.2));
+}
 
 Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfOptions options)
     : rhs_(&rhs),

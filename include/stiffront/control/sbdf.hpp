@@ -26,6 +26,13 @@ struct SbdfOptions {
   double initial_step = 0.0;               ///< 0: automatic
 };
 
+/// The relative tolerance of a step in a run with this one.
+///
+/// Tighter tolerances mean more steps, whose errors add up: the error of a run falls with the 5/6th power of that of a
+/// step at order 5, and somewhat slower where the order rises too. Below 1e-3 the tolerance of a step is less by a fifth
+/// power of what is asked for, which makes the errors of runs fall with the tolerance.
+double sbdf_step_tolerance(double relative_tolerance);
+
 /// Backward differentiation of variable order 1..5 and variable step for u' = D Laplacian(u) + rates(t, u), solved by
 /// sweeps that never couple cells implicitly.
 ///
