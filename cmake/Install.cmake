@@ -56,7 +56,8 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "openmpi-bin, python3-h5py, python3-matplotlib")
+set(CPACK_DEBIAN_PACKAGE_DEPENDS openmpi-bin)  # Open MPI starts a helper of its own, for one process too
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-h5py, python3-matplotlib")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
   "g++, cmake, pkg-config, libopenmpi-dev, libhdf5-openmpi-dev, libsundials-dev, libtomlplusplus-dev, libfmt-dev")
 include(CPack)

@@ -36,7 +36,8 @@ template <class Command>
   arguments.push_back(nullptr);
   execvp(arguments[0], arguments.data());
   throw Error(ErrorKind::io,
-              fmt::format("python3, which draws the pictures, cannot be started: {}", std::strerror(errno)));
+              fmt::format("python3, which draws the pictures, cannot be started: {} (Debian: apt-get install python3-h5py python3-matplotlib)",
+                          std::strerror(errno)));
 }
 
 }  // namespace
