@@ -43,3 +43,14 @@ same_bits_test(sbdf-custom ../../mpi-tests/driven_custom "${boxes}")
 same_bits_test(adaptive-strang-custom ../../mpi-tests/driven_custom "${boxes}" method.name=adaptive-strang time.end=0.02)
 same_bits_test(cvode bz-1d "${lines}" method.name=cvode time.end=0.01)
 restart_test(sbdf bz-1d 37 method.name=sbdf method.relative_tolerance=1e-4 time.end=0.02)
+
+# What the machine does to a run, and the model to its numbers.
+function(fault_test name)
+  add_test(NAME faults.${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/faults/${name}.sh $<TARGET_FILE:stiffront_program> ${MPIEXEC_EXECUTABLE} ${ARGN})
+  set_tests_properties(faults.${name} PROPERTIES LABELS fault PROCESSORS 2 TIMEOUT 240 ENVIRONMENT "${STIFFRONT_MPI_ENVIRONMENT}")
+endfunction()
+fault_test(numerics)
+fault_test(files ${PROJECT_SOURCE_DIR}/drivers/cases/bz-1d.toml)
+fault_test(stalls ${PROJECT_SOURCE_DIR}/drivers/cases/bz-1d.toml)
+# A sample of the campaign; mpi-tests/nightly.sh has the rest.
+fault_test(kills ${PROJECT_SOURCE_DIR}/drivers/cases/bz-1d.toml 4 method.name=adaptive-strang method.tolerance=1e-4 time.end=0.02)

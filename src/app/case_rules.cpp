@@ -456,6 +456,9 @@ class Completion {
   void method(CvodeOptions& o) const {
     complete_tolerance(o.absolute_tolerance, o.relative_tolerance);
     if (!o.linear_solver) o.linear_solver = LinearSolver::gmres;
+    if (c_.reaction_solver.positivity == Positivity::reject_step) {
+      fail("reaction_solver.positivity", "\"reject-step\" does not go with method \"cvode\", which chooses its own steps; use \"report\"");
+    }
   }
 
   // [output]

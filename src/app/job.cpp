@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -66,6 +67,8 @@ void complain(const std::string& message) {
 }
 
 int run_on_all_ranks(int& argc, char**& argv, const std::function<void(const Communicator&)>& work) {
+  // A file that reaches its size limit is to be an error of write(), not the end of the process.
+  std::signal(SIGXFSZ, SIG_IGN);
   MPI_Init(&argc, &argv);
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   flush_denormals_to_zero();

@@ -59,7 +59,7 @@ std::vector<double> per_species(const Tolerance& tolerance, const Problem& probl
 double MethodStack::make_flows(const Case& c, Problem& problem, double method_tolerance) {
   // Inner solvers must be finer than the splitting error they are there to reveal.
   const double finest = method_tolerance > 0.0 ? 0.01 * method_tolerance : 1.0;
-  const double reaction_tolerance = std::min(c.reaction_solver.tolerance, finest);
+  const double reaction_tolerance = reaction_tolerance_ = std::min(c.reaction_solver.tolerance, finest);
   const double diffusion_tolerance = std::min(c.diffusion_solver.tolerance, finest);
   CellTolerances cell{reaction_tolerance, inner_absolute(reaction_tolerance, problem)};
   std::unique_ptr<stiffront::ReactionSolver> solver;
@@ -78,9 +78,6 @@ double MethodStack::make_flows(const Case& c, Problem& problem, double method_to
 MethodStack::MethodStack(const Case& c, Problem& problem) {
   if (c.space.quadrature_order.value_or(c.space.order) != c.space.order && !std::holds_alternative<DcsOptions>(c.method)) {
     throw Error(ErrorKind::input, fmt::format("{}: space.quadrature_order: only the method \"dcs\" has a quadrature; leave it out", c.file));
-  }
-  if (c.reaction_solver.positivity == Positivity::reject_step) {
-    throw Error(ErrorKind::input, fmt::format("{}: reaction_solver.positivity: \"reject-step\" is not available in this version; use \"report\"", c.file));
   }
   std::visit([&](const auto& options) { make(c, options, problem); }, c.method);
 }

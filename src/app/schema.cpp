@@ -392,7 +392,8 @@ std::vector<Key> solver_keys() {
       choice("reaction_solver.balance", STIFFRONT_OPTION(reaction_solver.balance),
              "\"auto\": cells move between processes by counted cost"),
       choice("reaction_solver.positivity", STIFFRONT_OPTION(reaction_solver.positivity),
-             "negative values are counted and reported, or the step is rejected"),
+             "\"report\": states with negative values are counted; \"reject-step\": such a step is tried again with half its "
+             "size, with any method but cvode"),
   };
 }
 

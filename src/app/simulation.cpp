@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "advice.hpp"
+#include "failed_cell.hpp"
 #include "stiffront/app/case_file.hpp"
 #include "stiffront/app/method_stack.hpp"
 #include "stiffront/app/methods.hpp"
@@ -39,6 +40,7 @@ Schedule make_schedule(const Case& c, const Output& output) {
   s.restart_period = c.time.restart_step.period;
   s.restart_step = c.time.restart_step.step;
   s.max_steps = c.limits.max_steps;
+  s.refuses_negative = c.reaction_solver.positivity == Positivity::reject_step;
   s.landing_times = output.landing_times();
   return s;
 }
@@ -131,6 +133,7 @@ class RunObserver final : public Observer {
         files_(c.output.directory) {}
 
   std::uint64_t requests() override {
+    watchdog_->reset("in a step");
     output_->before_attempt();
     attempt_began_ = wall_seconds();
     std::uint64_t flags = signals_.take();
@@ -145,16 +148,18 @@ class RunObserver final : public Observer {
     return flags;
   }
   void attempted(const StepRecord& record) override {
-    watchdog_->reset();
+    watchdog_->reset("after a step");
     slowest_attempt_ = std::max(slowest_attempt_, wall_seconds() - attempt_began_);
     memory_->work += record.attempt.work;
-    failure = record.attempt.failure;
+    if (record.attempt.accepted || !record.attempt.failure) failures.clear();
+    if (record.attempt.failure) failures.push_back(*record.attempt.failure);
     errors.add(record);
     if (!record.attempt.reason.empty() && record.attempt.accepted) note = record.attempt.reason;
     output_->attempted(record);
     progress_->attempted(record);
   }
   void stepped(const StepRecord& record, double t_new, Field& u, Field& u_new) override {
+    watchdog_->reset("writing output");
     progress_->stepped(record, t_new, output_->stepped(record, t_new, u, u_new) > 0);
   }
   bool carry_on(std::uint64_t flags, std::int64_t step, double, double, Field&) override {
@@ -162,15 +167,15 @@ class RunObserver final : public Observer {
     const std::int64_t every = case_->output.checkpoint.every_steps;
     stopped = (flags & requests::stop) != 0;
     if (stopped || (flags & requests::checkpoint) != 0 || (every > 0 && step % every == 0)) {
+      watchdog_->reset("writing a checkpoint");
       output_->flush();
       memory_->write();
-      watchdog_->reset();
     }
     return !stopped;
   }
 
   bool stopped = false;
-  std::optional<CellFailure> failure;
+  std::vector<CellFailure> failures;  ///< cells of this rank, one per attempt, if the last attempts all failed by one
   ErrorRecord errors;
   std::string note;  ///< the last remark of the method on an accepted step
 
@@ -229,19 +234,33 @@ std::vector<Summary::RankWork> work_of_each(const Work& mine, const PhaseSeconds
   return result;
 }
 
-/// The cell that could not be integrated, in one sentence, on every rank; empty if the run failed for another reason.
-std::string describe_failure(const std::optional<CellFailure>& mine, const Problem& problem) {
+/// What is left behind of a run that failed: the last good state, and the cell that is to blame, if there is one, as a case of its own.
+/// @return the cell in one sentence, on every rank; empty if there is none
+std::string record_failure(const std::vector<CellFailure>& mine, const Case& c, const Problem& problem, const MethodStack& stack,
+                           const Output& output, const OutputDirectory& directory, const Progress& progress) {
   const Communicator& comm = problem.comm;
-  const int lowest = static_cast<int>(-comm.max(static_cast<std::int64_t>(mine ? -comm.rank() : -comm.size())));
-  if (lowest == comm.size()) return {};
+  const int lowest = static_cast<int>(-comm.max(static_cast<std::int64_t>(mine.empty() ? -comm.size() : -comm.rank())));
   std::string text;
-  if (mine) {
-    text = fmt::format("cell ({}, {}) at x = {:.10g}, y = {:.10g}, t = {:.10g}: {} (inner step {:.3g} of {:.3g}); state", mine->i, mine->j,
-                       mine->x, mine->y, mine->t, mine->reason, mine->dt, mine->interval);
-    const std::vector<std::string>& names = problem.model->description().species;
-    for (std::size_t s = 0; s < mine->state.size(); ++s) text += fmt::format("{} {} = {:.17g}", s == 0 ? "" : ",", names[s], mine->state[s]);
+  std::string replay;
+  if (lowest != comm.size()) {
+    if (comm.rank() == lowest) {
+      const CellFailure& cell = most_telling(mine);
+      const double tolerance = stack.reaction_tolerance() > 0.0 ? stack.reaction_tolerance() : c.reaction_solver.tolerance;
+      text = describe(cell, problem.model->description().species);
+      replay = failed_cell_case(c, cell, tolerance);
+    }
+    text = comm.broadcast(text, lowest);
+    replay = comm.broadcast(replay, lowest);
   }
-  return comm.broadcast(text, lowest);
+  try {
+    output.record_failure(progress.accepted, progress.t, problem.state, replay);
+    if (!replay.empty()) text += fmt::format("; stiffront run {} runs this cell alone", directory.file(OutputDirectory::failed_cell));
+  } catch (const Error& e) {
+    // What stopped the run matters more.
+    if (e.kind() != ErrorKind::io) throw;
+    if (comm.is_root()) fmt::print(stderr, "warning: {}\n", e.what());
+  }
+  return text;
 }
 
 void print_opening(const Case& c, const Problem& problem, const MethodStack& stack) {
@@ -281,6 +300,7 @@ bool begins_a_series(const Case& c, const Communicator& comm, const RunOptions& 
 }  // namespace
 
 void simulate(const Case& c, const ModelRegistry& models, const Communicator& comm, const RunOptions& options) {
+  Watchdog watchdog(comm.rank(), c.limits.stall_limit_s);
   Problem problem(c, models, comm);
   MethodStack stack(c, problem);
   const bool restarts = !options.restart.empty() && !begins_a_series(c, comm, options);
@@ -304,7 +324,6 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   }
   ProgressLine progress_line(speaks, options.progress, stdout, c.time.start, c.time.end);
   progress_line.begin(progress.t);
-  Watchdog watchdog(comm.rank(), c.limits.stall_limit_s);
   RunObserver observer(c, problem, output, progress_line, memory, watchdog);
 
   const double began = wall_seconds();
@@ -324,7 +343,7 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   } catch (const Error& e) {
     // Numerical failures are agreed on: every rank is here. Anything else ends the run where it is.
     if (e.kind() != ErrorKind::numerics) throw;
-    const std::string cell = describe_failure(observer.failure, problem);
+    const std::string cell = record_failure(observer.failures, c, problem, stack, output, directory, progress);
     failure = Error(e.kind(), cell.empty() ? e.what() : fmt::format("{}; {}", e.what(), cell));
     summary.status = "failed";
     summary.reason = failure->what();

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -25,17 +26,30 @@ Watchdog::~Watchdog() {
   thread_.join();
 }
 
-void Watchdog::reset() { last_.store(wall_seconds(), std::memory_order_relaxed); }
+void Watchdog::reset(const char* next) {
+  phase_.store(next, std::memory_order_relaxed);
+  last_.store(wall_seconds(), std::memory_order_relaxed);
+}
 
 void Watchdog::watch() {
+  constexpr double period = 0.5;  // seconds
   std::unique_lock<std::mutex> lock(mutex_);
-  while (!wake_.wait_for(lock, std::chrono::milliseconds(500), [this] { return done_; })) {
-    const double idle = wall_seconds() - last_.load(std::memory_order_relaxed);
+  double stopped = 0.0;           // of this process, since the last achievement
+  double achieved = 0.0;
+  double looked = wall_seconds();
+  while (!wake_.wait_for(lock, std::chrono::duration<double>(period), [this] { return done_; })) {
+    const double now = wall_seconds();
+    const double last = last_.load(std::memory_order_relaxed);
+    if (last != achieved) stopped = 0.0;
+    achieved = last;
+    if (now - looked > 10.0 * period) stopped += now - std::max(looked, last);
+    looked = now;
+    const double idle = now - last - stopped;
     if (idle <= limit_) continue;
     char host[256] = "?";
     gethostname(host, sizeof host - 1);
-    std::fprintf(stderr, "[rank %d on %s] no step was completed for %.0f s (limits.stall_limit_s = %.0f): the job is ended\n", rank_, host, idle,
-                 limit_);
+    std::fprintf(stderr, "[rank %d on %s] nothing was completed for %.0f s (limits.stall_limit_s = %g), %s: the job is ended\n", rank_, host, idle,
+                 limit_, phase_.load(std::memory_order_relaxed));
     std::fflush(stderr);
     std::abort();
   }

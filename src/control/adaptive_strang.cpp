@@ -126,8 +126,10 @@ Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std
   comm_->agree(agreement);
   flags = agreement.flags;
   double error = norm_.value(embedded, agreement);
-  if ((flags & (step_flags::cell_failed | step_flags::not_finite)) != 0 || !std::isfinite(error)) {
-    a.reason = (flags & step_flags::cell_failed) != 0 ? "a cell could not be integrated" : "the new state is not finite";
+  const char* refused = refusal(flags);
+  if (refused != nullptr || !std::isfinite(error)) {
+    a.reason = refused != nullptr ? refused : "the error estimate is not finite";
+    if (!a.failure) a.failure = find_refused_value(flags, u, u_new, free_, t, dt);
     a.error = error;
     a.dt_next = 0.5 * dt;
     a.epsilon = epsilon_;

@@ -71,9 +71,10 @@ void bdf_combine(std::span<const Field* const> states, const BdfWeights& e, cons
   }
 }
 
-void bdf_add_difference(const Field& v, const Field& reference, const BdfTolerances& tolerances, const FreeBox& box,
+bool bdf_add_difference(const Field& v, const Field& reference, const BdfTolerances& tolerances, const FreeBox& box,
                         ReproducibleSum& sum) {
   const Pack relative(tolerances.relative);
+  Pack smallest(0.0);
   const int n_species = v.n_species();
   const std::ptrdiff_t stride = v.species_stride();
   for (int j = box.j_begin; j < box.j_end; ++j) {
@@ -86,10 +87,12 @@ void bdf_add_difference(const Field& v, const Field& reference, const BdfToleran
         const Pack scale = mul_add(relative, abs(x), Pack(tolerances.absolute[static_cast<std::size_t>(s)]));
         const Pack scaled = (x - load(r_row + s * stride + i, n)) / scale;
         squares = mul_add(scaled, scaled, squares);
+        smallest = min(smallest, x);
       }
       sum.add(squares * squares, fresh);
     });
   }
+  return min_lane(smallest) < 0.0;
 }
 
 namespace {

@@ -138,9 +138,15 @@ Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, s
   if (a.failure) agreement.flags |= step_flags::cell_failed;
   comm_->agree(agreement);
   flags = agreement.flags;
-  if ((flags & (step_flags::cell_failed | step_flags::not_finite)) != 0) refuse_step(t, dt, std::max(agreement.maxima[0], diffusion_rate));
-  a.accepted = true;
-  a.dt_next = options_.fixed_step;
+  const char* refused = refusal(flags);
+  a.accepted = refused == nullptr;
+  a.dt_next = a.accepted ? options_.fixed_step : 0.5 * dt;
+  if (refused != nullptr) {
+    const double rate = std::max(agreement.maxima[0], diffusion_rate);
+    if (rate * dt > stability_limit(options_.iterations)) refuse_step(t, dt, rate);
+    a.reason = refused;
+    if (!a.failure) a.failure = find_refused_value(flags, u, u_new, free_, t, dt);
+  }
   return a;
 }
 
@@ -219,8 +225,11 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
     if (k == 0) rate_ = std::max(agreement.maxima.back(), rhs_->diffusion().spectral_radius());
     const double residual = norm_.value(0, agreement);   // e_k
     const double distance = norm_.value(1, agreement);   // |ubar^k - v_s^0|
-    if ((flags & (step_flags::cell_failed | step_flags::not_finite)) != 0 || !std::isfinite(residual) || !std::isfinite(distance)) {
-      a.reason = (flags & step_flags::cell_failed) != 0 ? "a cell could not be integrated" : "the iterates are not finite";
+    // An iterate may be negative where the result is not: it is the result that counts.
+    const char* refused = refusal(flags & ~step_flags::refuse_negative);
+    if (refused != nullptr || !std::isfinite(residual) || !std::isfinite(distance)) {
+      a.reason = refused != nullptr ? refused : "the iterates are not finite";
+      if (!a.failure) a.failure = find_refused_value(flags, u, v_.back(), free_, t, dt);
       dt_new = 0.5 * dt;
       break;
     }
@@ -249,7 +258,13 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
 
     // Without a correction nothing is known of the next one, and the step would stay that of the splitting alone.
     if (error <= eta && k >= 1) {
-      a.accepted = true;
+      const char* negative = refusal(flags);
+      a.accepted = negative == nullptr;
+      if (negative != nullptr) {
+        a.reason = negative;
+        a.failure = find_refused_value(flags, u, v_.back(), free_, t, dt);
+        dt_new = 0.5 * dt;
+      }
       break;
     }
     if (k >= k_max) {

@@ -61,6 +61,8 @@ bool data_jump_at(const Schedule& s, double t) {
 /// Where a step from t begins.
 double inside(const Schedule& s, double t) { return data_jump_at(s, t) ? t + width_of_jump(s, t) : t; }
 
+constexpr double round_off = 16.0 * std::numeric_limits<double>::epsilon();
+
 [[noreturn]] void throw_underflow(const StepRecord& r) {
   throw Error(ErrorKind::numerics,
               fmt::format("the step size underflowed at t = {:.17g} (dt = {:.3g}) after {} accepted steps{}{}; loosen the tolerance or "
@@ -93,13 +95,17 @@ bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progre
     record.t = progress.t;
     // A last step may be a little longer than planned: better than a tiny one after it.
     bool lands = progress.t + 1.01 * progress.dt >= target.t;
+    if (!lands && !(progress.dt > round_off * std::abs(progress.t))) {  // accepted steps have shrunk until the time stands still
+      record.dt = progress.dt;
+      throw_underflow(record);
+    }
     const bool cut = lands && target.t - progress.t < 0.999 * progress.dt;
     record.dt = lands ? target.t - progress.t : progress.dt;
     record.begin = inside(schedule, progress.t);
     record.end = lands && target.restarts ? target.t - width_of_jump(schedule, target.t) : progress.t + record.dt;
     const bool shifted = record.begin != progress.t || record.end != progress.t + record.dt;
     const double dt = shifted ? record.end - record.begin : record.dt;
-    std::uint64_t flags = observer.requests();
+    std::uint64_t flags = observer.requests() | (schedule.refuses_negative ? step_flags::refuse_negative : 0U);
     record.attempt = method.attempt(record.begin, dt, u, u_new, flags);
     if (record.attempt.accepted && record.attempt.dt_taken > 0.0 && record.attempt.dt_taken != dt) {
       record.dt = record.attempt.dt_taken;
@@ -114,9 +120,7 @@ bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progre
       progress.resume_dt = 0.0;
       if (!(a.dt_next < record.dt)) throw Error(ErrorKind::bug, "a rejected attempt did not ask for a smaller step");
       progress.dt = a.dt_next;
-      if (!(progress.dt > 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(progress.t), schedule.end - schedule.start))) {
-        throw_underflow(record);
-      }
+      if (!(progress.dt > round_off * std::max(std::abs(progress.t), schedule.end - schedule.start))) throw_underflow(record);
       continue;
     }
 

@@ -26,10 +26,13 @@ Attempt FixedStep::attempt(double t, double dt, Field& u, Field& u_new, std::uin
   if (a.failure) agreement.flags |= step_flags::cell_failed;
   comm_->agree(agreement);
   flags = agreement.flags;
-  a.accepted = (flags & (step_flags::cell_failed | step_flags::not_finite)) == 0;
+  const char* refused = refusal(flags);
+  a.accepted = refused == nullptr;
   a.dt_next = a.accepted ? step_ : 0.5 * dt;
-  if ((flags & step_flags::not_finite) != 0) a.reason = "the new state is not finite";
-  if ((flags & step_flags::cell_failed) != 0) a.reason = "a cell could not be integrated";
+  if (refused != nullptr) {
+    a.reason = refused;
+    if (!a.failure) a.failure = find_refused_value(flags, u, u_new, free_, t, dt);
+  }
   return a;
 }
 

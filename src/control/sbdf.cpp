@@ -348,6 +348,10 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
       agreement_.maxima.back() =
           options_.max_order - highest_quiet_order(options_.max_order, t_new, control_.suspected_dt(), u_new, *model_, free_);
     }
+    const auto sizes = agreement_.maxima.begin();  // largest v_s, then largest -v_s
+    if (std::any_of(sizes + u.n_species(), sizes + 2 * u.n_species(), [](double x) { return x > 0.0; })) {
+      agreement_.flags |= step_flags::negative;
+    }
     comm_->agree(agreement_);
     if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
     if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);
@@ -356,23 +360,27 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
       errors.quiet_order = options_.max_order - static_cast<int>(agreement_.maxima.back());
     }
   } else {
-    bdf_add_difference(u_new, predictor_, tolerances, free_, agreement_.sums[0]);
+    if (bdf_add_difference(u_new, predictor_, tolerances, free_, agreement_.sums[0])) agreement_.flags |= step_flags::negative;
     comm_->agree(agreement_);
   }
   errors.same = step.error_factor * norm(agreement_.sums[0]);
   flags = agreement_.flags;
 
+  if (!std::isfinite(errors.same)) flags |= step_flags::not_finite;
+  const char* refused = refusal(flags);
   attempt.error = errors.same;
-  attempt.accepted = errors.same <= control_.largest_error();
+  attempt.accepted = errors.same <= control_.largest_error() && refused == nullptr;
   attempted_dt_ = dt;
   if (!attempt.accepted) {
-    const bool finite = std::isfinite(errors.same);
-    if (!finite) flags |= step_flags::not_finite;
     attempt.dt_next = control_.rejected(dt, errors.same);
     attempt.dt_next = std::min(attempt.dt_next, cap_step(control_.order(), attempt.dt_next));
-    attempt.reason =
-        finite ? fmt::format("the error estimate at order {} is {:.3g} times the tolerance", step.order, errors.same)
-               : std::string("the new state is not finite");
+    if (refused == nullptr) {
+      attempt.reason = fmt::format("the error estimate at order {} is {:.3g} times the tolerance", step.order, errors.same);
+    } else {
+      attempt.dt_next = std::min(attempt.dt_next, 0.5 * dt);
+      attempt.reason = refused;
+      attempt.failure = find_refused_value(flags, u, u_new, free_, t, dt);
+    }
     return attempt;
   }
   if (step.tests_order) update_tolerances(agreement_.maxima);

@@ -88,6 +88,8 @@ herr_t add_attribute(hid_t, const char* name, const H5A_info_t*, void* names) {
 
 /// One line per dataset below a group; `prefix` is empty or ends with a slash.
 std::string describe_group(hid_t file, const std::string& prefix) {
+  constexpr std::size_t longest = 1000;  // groups may contain themselves
+  if (prefix.size() > longest) throw Error(ErrorKind::io, "its groups are nested too deeply");
   const hdf5::Handle group(H5Gopen2(file, prefix.empty() ? "/" : prefix.c_str(), H5P_DEFAULT), H5Gclose, prefix);
   std::vector<std::string> names;
   hdf5::check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, &add_name, &names), prefix);
@@ -128,6 +130,8 @@ std::string describe_file(const std::string& path) {
   } catch (const Error& e) {
     const std::string message = e.what();
     throw Error(e.kind(), message.starts_with(path) ? message : fmt::format("{}: {}", path, message));
+  } catch (const std::exception& e) {  // an attribute of another length, a size beyond all memory
+    throw Error(ErrorKind::io, fmt::format("{}: the file is damaged ({})", path, e.what()));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "file.hpp"
 #include "stiffront/core/agree.hpp"
 #include "stiffront/core/timer.hpp"
 #include "stiffront/io/result_file.hpp"
@@ -36,6 +37,7 @@ void Output::resume(std::int64_t accepted) {
   collectively(directory_->comm(), [&] {
     if (!directory_->comm().is_root()) return;
     directory_->remove_states_after(accepted);
+    directory_->remove_failures();
     for (const std::string& name : directory_->state_names()) series_.add(read_header(directory_->file(name)).time, name);
     series_.write();
   });
@@ -74,6 +76,13 @@ int Output::stepped(const StepRecord& record, double t_new, Field& u, Field& u_n
 void Output::flush() {
   history_.flush();
   probes_.flush();
+}
+
+void Output::record_failure(std::int64_t step, double t, const Field& u, const std::string& cell_case) const {
+  write_state(directory_->file(OutputDirectory::failed_state_name(step)), {t, step, false, options_.species, options_.case_text}, *boundary_, u);
+  collectively(directory_->comm(), [&] {
+    if (directory_->comm().is_root() && !cell_case.empty()) file::replace(directory_->file(OutputDirectory::failed_cell), cell_case);
+  });
 }
 
 void Output::write(std::int64_t step, int index, double t, bool interpolated, const Field& u) {

@@ -51,9 +51,14 @@ void for_each_entry(const std::string& path, F&& f) {
   if (failed) file::fail(path, "be listed", failed.value());
 }
 
+/// What a run that failed leaves behind.
+bool is_failure(const std::string& name) {
+  return name == OutputDirectory::failed_cell || (name.starts_with("failed-") && name.ends_with(".h5"));
+}
+
 bool is_result(const std::string& name) {
   static const char* const names[] = {"fields.xdmf", "history.csv", "probes.csv", "summary.json", "checkpoints", "converge.json"};
-  return parse(name) || std::find(std::begin(names), std::end(names), name) != std::end(names);
+  return parse(name) || is_failure(name) || std::find(std::begin(names), std::end(names), name) != std::end(names);
 }
 
 /// A file that a run was writing when it was killed.
@@ -143,6 +148,8 @@ std::string OutputDirectory::state_name(std::int64_t step, int index) {
   return index == 0 ? fmt::format("fields-{:06}.h5", step) : fmt::format("fields-{:06}-{}.h5", step, index);
 }
 
+std::string OutputDirectory::failed_state_name(std::int64_t step) { return fmt::format("failed-{:06}.h5", step); }
+
 std::vector<std::string> OutputDirectory::state_names() const {
   std::vector<std::pair<StateName, std::string>> found;
   for_each_entry(path_, [&](const std::string& name) {
@@ -160,6 +167,14 @@ void OutputDirectory::remove_states_after(std::int64_t step) const {
   for (const std::string& name : state_names()) {
     if (parse(name)->step > step) remove_entry(fs::path(path_) / name);
   }
+}
+
+void OutputDirectory::remove_failures() const {
+  std::vector<std::string> unwanted;
+  for_each_entry(path_, [&](const std::string& name) {
+    if (is_failure(name)) unwanted.push_back(name);
+  });
+  for (const std::string& name : unwanted) remove_entry(fs::path(path_) / name);
 }
 
 }  // namespace stiffront

@@ -206,6 +206,8 @@ auto naming(const std::string& path, F&& f) {
   } catch (const Error& e) {
     const std::string text = e.what();
     throw Error(e.kind(), text.starts_with(path) ? text : fmt::format("{}: {}", path, text));
+  } catch (const std::exception& e) {  // an attribute of another length, a size beyond all memory
+    throw Error(ErrorKind::io, fmt::format("{}: the file is damaged ({})", path, e.what()));
   }
 }
 

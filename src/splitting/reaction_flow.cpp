@@ -19,7 +19,10 @@ std::optional<CellFailure> ReactionFlow::advance(double t, double dt, std::span<
   std::optional<CellFailure> first;
   for (const Transition& s : states) {
     auto failure = solver_->advance(t, dt, *s.from, *s.to, free_, hints_, costs_, work);
-    if (failure && !first) first = std::move(failure);
+    if (failure && !first) {
+      first = std::move(failure);
+      first->begin = t;
+    }
     boundary_->impose(*s.to, t + dt);
   }
   return first;

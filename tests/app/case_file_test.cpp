@@ -215,7 +215,8 @@ INSTANTIATE_TEST_SUITE_P(
         Named{"sbdf",
               every_option_text("[method]\nname = \"sbdf\"\nabsolute_tolerance = {v = 1e-9, u = 1e-3}\nmax_order = 2"),
               {}},
-        Named{"cvode", every_option_text("[method]\nname = \"cvode\"\nlinear_solver = \"band\""), {}},
+        Named{"cvode", every_option_text("[method]\nname = \"cvode\"\nlinear_solver = \"band\""),
+              {"reaction_solver.positivity=report"}},
         Named{
             "auto", every_option_text("[method]\nname = \"auto\"\ntolerance = 1e-3"), {"time.breakpoints=[0.5, 1.0]"}},
         Named{"converge",

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <random>
 
 #include "app/example_case.hpp"
+#include "stiffront/app/builtin_cases.hpp"
 #include "stiffront/core/error.hpp"
+#include "stiffront/solvers/model_registry.hpp"
+#include "support/mutation.hpp"
 
 namespace stiffront::app {
 namespace {
@@ -51,56 +53,14 @@ const std::vector<std::string> fragments = {"[",
                                             "absolute_tolerance = { a = 1 }",
                                             "[[model.reactions]]"};
 
-class Mutation {
- public:
-  explicit Mutation(std::uint64_t seed) : random_(seed) {}
-
-  std::string of(std::string text) {
-    const bool gentle = pick(2) == 0;
-    const int changes = 1 + static_cast<int>(pick(gentle ? 3 : 6));
-    for (int i = 0; i < changes; ++i) {
-      if (gentle) {  // one digit for another: most such texts are still cases
-        const std::size_t digit = text.find_first_of("0123456789", pick(text.size()));
-        if (digit != std::string::npos) text[digit] = static_cast<char>('0' + pick(10));
-        continue;
-      }
-      const std::size_t at = pick(text.size() + 1);
-      switch (pick(6)) {
-        case 0:
-          text.erase(at, pick(12));
-          break;
-        case 1:
-          text.insert(at, fragments[pick(fragments.size())]);
-          break;
-        case 2:
-          text.insert(at, 1, static_cast<char>(pick(256)));
-          break;
-        case 3:
-          text.insert(at, text.substr(pick(text.size() + 1), pick(60)));
-          break;
-        case 4:
-          text.resize(at);
-          break;
-        default:
-          if (at < text.size()) text[at] = static_cast<char>(text[at] ^ (1 << pick(8)));
-      }
-    }
-    return text;
-  }
-  std::size_t pick(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(random_() % n); }
-
- private:
-  std::mt19937_64 random_;
-};
-
 TEST(CaseMutation, AnyTextIsReadOrRefusedInOneLine) {
   int read = 0;
   int refused = 0;
   const std::vector<std::string> starts = {example_text, custom_text, network_text,
                                            effective_configuration(parse_example())};
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
-    Mutation mutation(seed);
-    const std::string text = mutation.of(starts[seed % starts.size()]);
+  for (std::uint64_t seed = 0; seed < testing::mutation_rounds(2000); ++seed) {
+    testing::Mutation mutation(seed);
+    const std::string text = mutation.of(starts[seed % starts.size()], fragments);
     try {
       const Case c = parse_example({}, text);
       ++read;
@@ -115,13 +75,30 @@ TEST(CaseMutation, AnyTextIsReadOrRefusedInOneLine) {
   EXPECT_GT(refused, 200);
 }
 
+TEST(CaseMutation, AnyTextCloseToABuiltinCaseIsReadOrRefusedInOneLine) {
+  ModelRegistry registry;
+  register_builtin_models(registry);
+  const std::vector<ModelDescription> models = registry.descriptions();
+  const auto& starts = builtin_cases();
+  for (std::uint64_t seed = 0; seed < testing::mutation_rounds(1500); ++seed) {
+    testing::Mutation mutation(seed);
+    const std::string text = mutation.of(std::string(starts[seed % starts.size()].text), fragments);
+    try {
+      parse_case({"case.toml", text, {}}, models);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input) << "seed " << seed << ": " << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "seed " << seed << ": " << error.what();
+    }
+  }
+}
+
 TEST(CaseMutation, AnyOverrideIsReadOrRefusedInOneLine) {
   const std::vector<std::string> starts = {"time.end=0.5", "grid.points=[33, 44]",
                                            "method={ name = \"dcs\", step = 1e-3 }",
                                            "boundary.x={ type = \"dirichlet\", a = \"sin(t)\" }", "title=two words"};
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
-    Mutation mutation(seed);
-    const std::string override = mutation.of(starts[seed % starts.size()]);
+  for (std::uint64_t seed = 0; seed < testing::mutation_rounds(2000); ++seed) {
+    testing::Mutation mutation(seed);
+    const std::string override = mutation.of(starts[seed % starts.size()], fragments);
     try {
       parse_example({override});
     } catch (const Error& error) {

@@ -167,6 +167,68 @@ TEST_F(EvolveTest, FailsWithTheReasonWhenTheStepUnderflows) {
   }
 }
 
+TEST_F(EvolveTest, FailsWhenAcceptedStepsShrinkUntilTheTimeStandsStill) {
+  method_.decide = [](double, double dt, Attempt& a) { a.dt_next = 0.3 * dt; };
+  try {
+    run();
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::numerics);
+    EXPECT_NE(std::string(e.what()).find("underflowed"), std::string::npos) << e.what();
+  }
+  EXPECT_EQ(progress_.rejected, 0);
+}
+
+TEST_F(EvolveTest, TellsTheMethodWhetherNegativeStatesAreRefused) {
+  EXPECT_TRUE(run());
+  EXPECT_EQ(method_.seen_flags & step_flags::refuse_negative, 0U);
+  progress_ = Progress{};
+  schedule_.refuses_negative = true;
+  EXPECT_TRUE(run());
+  EXPECT_NE(method_.seen_flags & step_flags::refuse_negative, 0U);
+}
+
+TEST(Refusal, NamesTheWorstThingAndNegativeValuesOnlyWhereTheyAreRefused) {
+  using namespace step_flags;
+  EXPECT_EQ(refusal(0), nullptr);
+  EXPECT_EQ(refusal(negative), nullptr);
+  EXPECT_EQ(refusal(refuse_negative), nullptr);
+  EXPECT_STREQ(refusal(negative | refuse_negative), "the new state is negative somewhere");
+  EXPECT_STREQ(refusal(not_finite | negative), "the new state is not finite");
+  EXPECT_STREQ(refusal(cell_failed | not_finite), "a cell could not be integrated");
+}
+
+TEST(Refusal, FindsTheValueThatIsToBlameWithItsCellAndSpecies) {
+  const Communicator comm(MPI_COMM_SELF);
+  Grid grid{2, {7, 5}};
+  const Decomposition d(comm, grid, {1, 1}, 1);
+  Field before(d, 2, 0);
+  Field after(d, 2, 0);
+  before.at(0, 3, 2) = 0.5;
+  before.at(1, 3, 2) = 0.25;
+  after.at(1, 3, 2) = -1e-20;
+  const FreeBox box{0, 7, 0, 5};
+  using namespace step_flags;
+  EXPECT_FALSE(find_refused_value(negative, before, after, box, 1.0, 0.125));
+  EXPECT_FALSE(find_refused_value(not_finite, before, after, box, 1.0, 0.125));
+  const auto f = find_refused_value(negative | refuse_negative, before, after, box, 1.0, 0.125);
+  ASSERT_TRUE(f);
+  EXPECT_EQ(f->i, 3);
+  EXPECT_EQ(f->j, 2);
+  EXPECT_EQ(f->x, grid.position(0, 3));
+  EXPECT_EQ(f->y, grid.position(1, 2));
+  EXPECT_EQ(f->species, 1);
+  EXPECT_EQ(f->begin, 1.0);
+  EXPECT_EQ(f->interval, 0.125);
+  EXPECT_EQ(f->state, (std::vector<double>{0.5, 0.25}));
+  EXPECT_EQ(f->reason, "it becomes -1e-20");
+  after.at(0, 6, 0) = std::numeric_limits<double>::quiet_NaN();
+  const auto g = find_refused_value(not_finite, before, after, box, 1.0, 0.125);
+  ASSERT_TRUE(g);
+  EXPECT_EQ(g->i, 6);
+  EXPECT_EQ(g->species, 0);
+}
+
 TEST_F(EvolveTest, FailsWhenNoFirstStepCanBeChosen) {
   for (const double step : {0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     method_.step = step;

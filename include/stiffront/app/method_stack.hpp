@@ -20,6 +20,8 @@ class MethodStack {
   Method& method() { return *method_; }
   /// Null for methods that do not split.
   const ReactionFlow* reaction_flow() const { return reaction_.get(); }
+  /// Relative tolerance the reaction is integrated with; 0 for methods that do not split.
+  double reaction_tolerance() const { return reaction_tolerance_; }
   /// Adds the time spent in the flows so far.
   void add_seconds(PhaseSeconds& phases) const;
   /// A sentence for the log when the method was chosen by the program; otherwise empty.
@@ -37,6 +39,7 @@ class MethodStack {
   void make(const Case& c, const CvodeOptions& o, Problem& problem);
   void make(const Case& c, const AutoOptions& o, Problem& problem);
 
+  double reaction_tolerance_ = 0.0;
   double diffusion_seconds_ = 0.0;
   std::unique_ptr<ReactionFlow> reaction_;
   std::unique_ptr<Flow> rock4_;

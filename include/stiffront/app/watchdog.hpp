@@ -8,7 +8,8 @@
 namespace stiffront::app {
 
 /// Ends the process when nothing has been achieved for too long: MPI has no time-out, so a rank that is stopped or waits for a dead
-/// file system would hang the job for ever. A thread that makes no MPI calls says which rank and host it is and aborts.
+/// file system would hang the job for ever. A thread that makes no MPI calls says which rank and host it is, and at what, and aborts.
+/// Time during which this process was stopped itself (a suspended job) does not count.
 class Watchdog {
  public:
   /// @param limit_seconds 0: never.
@@ -17,8 +18,8 @@ class Watchdog {
   Watchdog& operator=(const Watchdog&) = delete;
   ~Watchdog();
 
-  /// Something was achieved.
-  void reset();
+  /// Something was achieved. @param next what comes now, for the message; a string that lives as long as the program
+  void reset(const char* next);
 
  private:
   void watch();
@@ -26,6 +27,7 @@ class Watchdog {
   int rank_;
   double limit_;
   std::atomic<double> last_;
+  std::atomic<const char*> phase_{"at the start"};
   bool done_ = false;
   std::mutex mutex_;
   std::condition_variable wake_;

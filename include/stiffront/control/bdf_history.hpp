@@ -32,7 +32,8 @@ struct BdfTolerances {
 ///
 /// The error norm is the fourth root of the mean: a spot of 1 % of the cells enters with a third of its size, where it
 /// would enter the root mean square with a tenth.
-void bdf_add_difference(const Field& v, const Field& reference, const BdfTolerances& tolerances, const FreeBox& box,
+/// @return whether v is negative anywhere
+bool bdf_add_difference(const Field& v, const Field& reference, const BdfTolerances& tolerances, const FreeBox& box,
                         ReproducibleSum& sum);
 
 /// What a test of the neighbouring orders needs: sums as above of the differences of v to the predictor in use and to

@@ -17,6 +17,7 @@ struct Schedule {
   double restart_step = 0.0;
   std::vector<double> landing_times;  ///< ascending; a step lands on each and the method goes on
   std::int64_t max_steps = 0;         ///< attempts; 0: no limit
+  bool refuses_negative = false;      ///< an attempt that leaves a negative value anywhere is rejected
 };
 
 /// One attempt as the world sees it.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "stiffront/core/mpi.hpp"
+#include "stiffront/mesh/boundary.hpp"
 #include "stiffront/mesh/field.hpp"
 #include "stiffront/solvers/flow.hpp"
 #include "stiffront/solvers/work.hpp"
@@ -19,8 +20,17 @@ namespace step_flags {
 inline constexpr std::uint64_t cell_failed = 1U << 0;      ///< a cell could not be integrated
 inline constexpr std::uint64_t not_finite = 1U << 1;       ///< the new state holds a NaN or an infinity
 inline constexpr std::uint64_t negative = 1U << 2;         ///< the new state holds a negative value
+inline constexpr std::uint64_t refuse_negative = 1U << 3;  ///< asked of the method: then the attempt is rejected
 inline constexpr std::uint64_t first_of_driver = 1ULL << 32;
 }  // namespace step_flags
+
+/// Why a state with these agreed flags is no result, whatever its error; null if it may be one.
+const char* refusal(std::uint64_t flags);
+
+/// The first point of this rank's box at which `after` is not finite, or negative if flags say that this is refused: with its state in
+/// `before`, for the report. Nothing if the flags tell of no such value or another rank has it.
+std::optional<CellFailure> find_refused_value(std::uint64_t flags, const Field& before, const Field& after, const FreeBox& box, double t,
+                                              double dt);
 
 /// What became of one attempt to make a step. The same on all ranks, but for work (see Work) and failure.
 struct Attempt {

@@ -49,6 +49,10 @@ class Output {
   /// Writes the lines held back; before a checkpoint and at the end.
   void flush();
 
+  /// Leaves behind what is known of a failure: the last good state as failed-NNNNNN.h5 and, unless it is empty, the text of
+  /// failed-cell.toml. Not part of the series, and removed when the run goes on.
+  void record_failure(std::int64_t step, double t, const Field& u, const std::string& cell_case) const;
+
   /// States written by this object, and the wall-clock seconds this rank spent in it.
   std::int64_t files() const { return files_; }
   double seconds() const { return seconds_; }

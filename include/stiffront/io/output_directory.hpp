@@ -31,10 +31,15 @@ class OutputDirectory {
   /// fields-NNNNNN.h5; a positive index distinguishes further states within one step (fields-NNNNNN-K.h5, earlier in time than the
   /// one without).
   static std::string state_name(std::int64_t step, int index = 0);
+  /// What a run that failed leaves behind: its last good state, and a case file in which the failed cell is alone.
+  static std::string failed_state_name(std::int64_t step);
+  static constexpr const char* failed_cell = "failed-cell.toml";
   /// Names of the result files, ascending in step and time. On one process.
   std::vector<std::string> state_names() const;
   /// Removes result files of steps beyond `step`: a continued run will write them again. On one process.
   void remove_states_after(std::int64_t step) const;
+  /// Removes what an earlier failure left behind. On one process.
+  void remove_failures() const;
 
  private:
   const Communicator* comm_;

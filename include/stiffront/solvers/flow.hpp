@@ -15,10 +15,12 @@ namespace stiffront {
 struct CellFailure {
   std::int64_t i = 0, j = 0;  ///< global indices
   double x = 0.0, y = 0.0;
+  double begin = 0.0;         ///< where the sub-step began
   double t = 0.0;             ///< time reached
-  double dt = 0.0;            ///< inner step at which it failed
+  double dt = 0.0;            ///< inner step at which it failed; 0: there is none
   double interval = 0.0;      ///< length of the whole sub-step asked for
   std::vector<double> state;  ///< at the beginning of the sub-step
+  int species = -1;           ///< the one whose value gave offence, if it was one
   std::string reason;
 };
 
