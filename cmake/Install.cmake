@@ -48,7 +48,7 @@ file(RELATIVE_PATH PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/stiffront.pc.in ${PROJECT_BINARY_DIR}/stiffront.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/stiffront.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-# cpack --preset package: a .deb for any x86-64 machine since 2009.
+# cpack --preset package: a .deb for any x86-64 machine.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME stiffront)
 set(CPACK_PACKAGE_CONTACT "The Stiffront authors")
