@@ -5,7 +5,10 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <cstdlib>
+#include <ctime>
 #include <map>
+#include <random>
 #include <set>
 
 namespace {
@@ -27,7 +30,23 @@ Ledger& ledger() {
 
 enum Call : std::uint64_t { allreduce = 1, bcast, barrier, reduce, gather, gatherv, allgather, allgatherv, scan, exscan, dup, split };
 
+/// With STIFFRONT_DELAY_SEED set, up to two milliseconds before a call, different on every rank: what only works if ranks arrive together
+/// shows.
+void delay() {
+  static const char* seed = std::getenv("STIFFRONT_DELAY_SEED");
+  if (seed == nullptr) return;
+  static std::mt19937_64 random = [] {
+    int rank = 0;
+    PMPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    return std::mt19937_64(std::strtoull(seed, nullptr, 10) * 1000 + static_cast<unsigned>(rank));
+  }();
+  if (random() % 4 != 0) return;
+  const std::timespec moment{0, static_cast<long>(random() % 2000000)};
+  nanosleep(&moment, nullptr);
+}
+
 void note(MPI_Comm comm, Call call, int count = 0, MPI_Datatype type = MPI_DATATYPE_NULL, int root = 0) {
+  delay();
   const auto it = ledger().communicators.find(comm);
   if (it == ledger().communicators.end()) return;
   int size = 0;
@@ -66,6 +85,11 @@ int MPI_Recv_init(void* buffer, int count, MPI_Datatype type, int from, int tag,
   const int status = PMPI_Recv_init(buffer, count, type, from, tag, comm, request);
   if (status == MPI_SUCCESS) ledger().requests.insert(*request);
   return status;
+}
+
+int MPI_Startall(int count, MPI_Request* requests) {
+  delay();
+  return PMPI_Startall(count, requests);
 }
 
 int MPI_Request_free(MPI_Request* request) {

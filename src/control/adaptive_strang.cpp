@@ -32,6 +32,7 @@ AdaptiveStrang::AdaptiveStrang(const Field& shape, const Boundary& boundary, con
       reaction_(&reaction),
       options_(std::move(options)),
       norm_(shape.decomposition(), boundary, model.n_species(), options_.species),
+      strang_(strang(options_.order)),
       embedded_(shape.similar()),
       epsilon_(options_.epsilon) {
   if (options_.critical_step) two_steps_ = shape.similar();
@@ -51,7 +52,7 @@ void AdaptiveStrang::note(std::optional<CellFailure> failure, Attempt& a) const 
 
 /// Step 1: A = S^{b2 dt} S^{c2 dt} u, B = S^{c1 dt} u, E2 = |B - A|, then B = S^{b1 dt} B for E1 = |v - B|.
 void AdaptiveStrang::estimate_strang_error(double t, double dt, Field& u, Attempt& a, Agreement& agreement) {
-  const Composition s = strang(options_.order);
+  const Composition& s = strang_;
   Field& A = embedded_;  // not needed before step 2
   Field& B = *two_steps_;
   note(stiffront::advance(flows_, s, t, c2 * dt, u, A, a.work), a);
@@ -63,9 +64,8 @@ void AdaptiveStrang::estimate_strang_error(double t, double dt, Field& u, Attemp
 
 /// Step 2: v = S^{dt} u and w = S_epsilon^{dt} u with the first half step shared and the middle flow of both in one sweep.
 void AdaptiveStrang::strang_and_embedded(double t, double dt, Field& u, Field& v, Attempt& a) {
-  const Composition s = shifted_strang(options_.order, epsilon_);
-  Flow& outer = flows_.of(s[0].process);
-  Flow& inner = flows_.of(s[1].process);
+  Flow& outer = flows_.of(strang_[0].process);
+  Flow& inner = flows_.of(strang_[1].process);
   Field& w = embedded_;
   note(outer.advance(t, 0.5 * dt, u, v, a.work), a);
   note(outer.advance(t + 0.5 * dt, epsilon_ * dt, v, w, a.work), a);
@@ -111,7 +111,8 @@ Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std
   Attempt a;
   const bool due = (accepted_ % options_.period == 0 && estimated_at_ != accepted_) || (refused_dt_ > 0.0 && dt >= 2.0 * refused_dt_);
   const bool estimates = options_.critical_step && (estimate_asked_ || due);
-  Agreement agreement = norm_.agreement(estimates ? 3 : 1);
+  Agreement& agreement = agreement_;
+  norm_.prepare(estimates ? 3 : 1, agreement);
 
   // Step 1.
   if (estimates) estimate_strang_error(t, dt, u, a, agreement);

@@ -50,6 +50,8 @@ DeferredCorrection::DeferredCorrection(const Field& shape, CoupledRhs& rhs, Reac
     s_.push_back(shape.similar());
   }
   if (options_.fixed_step == 0.0) predicted_ = shape.similar();
+  error_estimates_.reserve(static_cast<std::size_t>(options_.max_iterations) + 1);
+  step_limits_.reserve(static_cast<std::size_t>(options_.max_iterations) + 1);
 }
 
 double DeferredCorrection::first_step(double t, double t_end, Field& u) {
@@ -82,8 +84,9 @@ void DeferredCorrection::evaluate_right_hand_sides(double t, double dt, Attempt&
 }
 
 /// result = u + dt sum w_j f_j.
-void DeferredCorrection::quadrature_to_end(double dt, const Field& u, Field& result) const {
-  std::vector<Term> terms{{1.0, &u}};
+void DeferredCorrection::quadrature_to_end(double dt, const Field& u, Field& result) {
+  std::vector<Term>& terms = terms_;
+  terms.assign(1, {1.0, &u});
   for (std::size_t j = 0; j < f_.size(); ++j) terms.push_back({dt * nodes_.w[j], &f_[j]});
   combine(terms, result);
 }
@@ -94,7 +97,8 @@ void DeferredCorrection::correct(double t, double dt, const Field& u, Attempt& a
   // What does not need new values, from the last node to the first since each takes its left neighbour's old value.
   for (int i = m - 1; i >= 0; --i) {
     const auto k = static_cast<std::size_t>(i);
-    std::vector<Term> terms{{1.0, i == 0 ? &u : &v_[k - 1]}};
+    std::vector<Term>& terms = terms_;
+    terms.assign(1, {1.0, i == 0 ? &u : &v_[k - 1]});
     for (int j = 0; j < m; ++j) terms.push_back({dt * nodes_.between(i, j), &f_[static_cast<std::size_t>(j)]});
     if (i > 0) terms.push_back({-1.0, &s_[k]});
     combine(terms, v_[k]);
@@ -132,7 +136,9 @@ Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, s
     correct(t, dt, u, a);
   }
   swap(u_new, v_.back());
-  Agreement agreement(0, 1);
+  Agreement& agreement = agreement_;
+  agreement.sums.clear();
+  agreement.maxima.assign(1, 0.0);
   agreement.maxima[0] = rhs_->reaction().jacobian_bound(t, u, free_);
   agreement.flags = flags | inspect(u_new, free_);
   if (a.failure) agreement.flags |= step_flags::cell_failed;
@@ -213,7 +219,8 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
   for (int k = 0;; ++k) {
     evaluate_right_hand_sides(t, dt, a);
     quadrature_to_end(dt, u, u_new);
-    Agreement agreement = norm_.agreement(2);
+    Agreement& agreement = agreement_;
+    norm_.prepare(2, agreement);
     agreement.maxima.push_back(k == 0 ? rhs_->reaction().jacobian_bound(t + dt, v_.back(), free_) : 0.0);
     norm_.add_difference(u_new, v_.back(), 0, agreement);
     norm_.add_difference(u_new, *predicted_, 1, agreement);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -386,11 +387,12 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   if (step.tests_order) update_tolerances(agreement_.maxima);
   bool is_limited = false;
   const bool avoided_ringing = control_.avoids_ringing();
-  attempt.dt_next = control_.accepted(dt, errors, [&](int order, double wanted) {
+  const auto limit = [&](int order, double wanted) {
     const double cap = cap_step(order, wanted);
     if (std::isfinite(wanted)) is_limited = cap < 0.7 * wanted && cap < 1.2 * dt;
     return cap;
-  });
+  };
+  attempt.dt_next = control_.accepted(dt, errors, std::ref(limit));  // a reference needs no memory of its own
   ++accepted_;
   if (is_limited) ++limited_;
   if (control_.avoids_ringing()) {

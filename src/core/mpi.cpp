@@ -52,8 +52,8 @@ void combine(void* in, void* inout, int* count, MPI_Datatype*) {
   }
 }
 
-std::vector<Unit> to_units(const Agreement& a) {
-  std::vector<Unit> units;
+void to_units(const Agreement& a, std::vector<Unit>& units) {
+  units.clear();
   for (const ReproducibleSum& s : a.sums) {
     Unit u{};
     u.kind = Unit::sum;
@@ -70,7 +70,6 @@ std::vector<Unit> to_units(const Agreement& a) {
     units.push_back(u);
   }
   units[0].flags = a.flags;
-  return units;
 }
 
 void from_units(const std::vector<Unit>& units, Agreement& a) {
@@ -157,8 +156,11 @@ void Communicator::agree(Agreement& a) const {
   const ScopedTimer reducing(seconds_reducing_);
   AgreementOperation& operation = AgreementOperation::instance();
   operation.ensure();
-  const std::vector<Unit> mine = to_units(a);
-  std::vector<Unit> agreed = mine;
+  // Kept from one agreement to the next: every step has one, and takes no memory for it.
+  static std::vector<Unit> mine;
+  static std::vector<Unit> agreed;
+  to_units(a, mine);
+  agreed.resize(mine.size());
   check_mpi(MPI_Allreduce(mine.data(), agreed.data(), static_cast<int>(mine.size()), operation.type, operation.op, comm_),
             "MPI_Allreduce");
   from_units(agreed, a);

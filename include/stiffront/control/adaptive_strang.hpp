@@ -70,6 +70,8 @@ class AdaptiveStrang final : public Method {
   ReactionFlow* reaction_;
   AdaptiveStrangOptions options_;
   StateNorm norm_;
+  Agreement agreement_;                 // of an attempt; kept, so that the loop takes no memory
+  Composition strang_;
   Field embedded_;                      // w
   std::optional<Field> two_steps_;      // B: only if the critical step is controlled
 

@@ -6,6 +6,7 @@
 #include "stiffront/control/collocation.hpp"
 #include "stiffront/control/method.hpp"
 #include "stiffront/control/state_norm.hpp"
+#include "stiffront/mesh/field_algebra.hpp"
 #include "stiffront/space/coupled_rhs.hpp"
 #include "stiffront/splitting/composition.hpp"
 #include "stiffront/splitting/reaction_flow.hpp"
@@ -68,7 +69,7 @@ class DeferredCorrection final : public Method {
   void predict(double t, double dt, Field& u, Attempt& a);
   void evaluate_right_hand_sides(double t, double dt, Attempt& a);
   void correct(double t, double dt, const Field& u, Attempt& a);
-  void quadrature_to_end(double dt, const Field& u, Field& result) const;
+  void quadrature_to_end(double dt, const Field& u, Field& result);
   void split(double t, double dt, Field& from, Field& to, Attempt& a);
   [[noreturn]] void refuse_step(double t, double dt, double rate) const;
   Attempt fixed(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags);
@@ -85,6 +86,8 @@ class DeferredCorrection final : public Method {
   Composition composition_;
   int order_;  // p of the splitting
   StateNorm norm_;
+  Agreement agreement_;        // of an iteration; kept, like terms_, so that the loop takes no memory
+  std::vector<Term> terms_;
   FreeBox free_;
   std::vector<Field> v_;       // stages
   std::vector<Field> f_;       // right-hand sides at the stages

@@ -22,6 +22,11 @@ class StateNorm {
   int n_controlled() const { return static_cast<int>(species_.size()); }
   /// An agreement with room for the given number of norms.
   Agreement agreement(int norms) const { return Agreement(norms * n_controlled(), n_controlled()); }
+  /// The same in place, so that an agreement can be used again.
+  void prepare(int norms, Agreement& agreement) const {
+    agreement.sums.assign(static_cast<std::size_t>(norms * n_controlled()), ReproducibleSum());
+    agreement.maxima.assign(static_cast<std::size_t>(n_controlled()), 0.0);
+  }
   /// Adds this rank's part of |a - b| in the given slot. @cost one pass over both.
   void add_difference(const Field& a, const Field& b, int slot, Agreement& agreement) const;
   /// Adds this rank's part of the scales.
