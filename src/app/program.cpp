@@ -10,6 +10,7 @@
 
 #include "guidance.hpp"
 #include "job.hpp"
+#include "memory_limit.hpp"
 #include "plot.hpp"
 #include "stiffront/app/builtin_cases.hpp"
 #include "stiffront/app/case_source.hpp"
@@ -126,6 +127,7 @@ class Obey {
                                                        : ProgressMode::automatic;
     return run_on_all_ranks(argc_, argv_, [&](const Communicator& comm) {
       const Case c = parse_case(read_case_source(source.file, source.overrides, comm), models_.descriptions());
+      require_memory(c, comm);
       run(c, models_, comm, options);
     });
   }

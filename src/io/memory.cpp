@@ -17,6 +17,17 @@ double number_in(const char* path) {
   return in >> x ? x : -1.0;
 }
 
+/// Bytes of a control group's use that the kernel gives back when they are wanted: files it keeps in memory.
+double reclaimable_bytes() {
+  std::ifstream in("/sys/fs/cgroup/memory.stat");
+  double sum = 0.0;
+  std::string name;
+  for (double x = 0.0; in >> name >> x;) {
+    if (name == "inactive_file" || name == "active_file") sum += x;
+  }
+  return sum;
+}
+
 }  // namespace
 
 double peak_memory_mib() {
@@ -33,7 +44,7 @@ double available_memory_mib() {
   }
   const double limit = number_in("/sys/fs/cgroup/memory.max");
   const double used = number_in("/sys/fs/cgroup/memory.current");
-  if (limit > 0.0 && used >= 0.0) available = std::min(available, std::max(0.0, limit - used) / 1048576.0);
+  if (limit > 0.0 && used >= 0.0) available = std::min(available, std::max(0.0, limit - used + reclaimable_bytes()) / 1048576.0);
   return available;
 }
 

@@ -62,6 +62,8 @@ expect "check of a built-in case" 0 "$program" check bz-1d time.end=0.5
 claim "a built-in case is known by name" cmp -s out effective.toml
 expect "bad input" 3 "$program" check my.toml method.tolerance=-1
 claim "the message names the key" contains err "method.tolerance: expected a positive number, got -1"
+expect "more memory than there is" 3 "$program" run bz-2d-spiral 'grid.points=[3000000, 3000000]' -o huge
+claim "both numbers are told" grep -qE '3000000 x 3000000 points need about .* GiB of memory .* GiB are free' err
 expect "bad override" 2 "$program" check my.toml method.tolerance
 expect "missing file" 5 "$program" check missing.toml
 expect "unreadable file" 5 "$program" check .
