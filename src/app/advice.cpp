@@ -127,7 +127,7 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
   }
   if (summary.negatives > 0) {
     lines.push_back(fmt::format("{} states held negative values: of the size of the error if the model's solutions are positive; a smaller tolerance "
-                                "makes them smaller",
+                                "makes them smaller, reaction_solver.positivity=reject-step refuses them",
                                 summary.negatives));
   }
   return lines;
