@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stiffront/io/checkpoint.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 
@@ -63,8 +65,14 @@ void remove_unfinished(const std::string& folder) {
   for (const std::string& name : names) remove_all(name);
 }
 
-/// Gives a finished checkpoint its name. One of the same step that is there already steps aside first.
+/// Gives a finished checkpoint its name. With one of the same step that is there already it changes places, so that there is one at any
+/// moment; where the file system cannot do that, the old one steps aside first.
 void publish(const std::string& temporary, const std::string& path, const std::string& folder) {
+  if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path.c_str(), RENAME_EXCHANGE) == 0) {
+    file::sync(folder);
+    remove_all(temporary);
+    return;
+  }
   const std::string aside = path + ".old" + unfinished;
   std::error_code ignored;
   if (fs::exists(path, ignored)) file::rename(path, aside);
