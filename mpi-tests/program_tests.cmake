@@ -54,3 +54,8 @@ fault_test(files ${PROJECT_SOURCE_DIR}/drivers/cases/bz-1d.toml)
 fault_test(stalls ${PROJECT_SOURCE_DIR}/drivers/cases/bz-1d.toml)
 # A sample of the campaign; mpi-tests/nightly.sh has the rest.
 fault_test(kills ${PROJECT_SOURCE_DIR}/drivers/cases/bz-1d.toml 4 method.name=adaptive-strang method.tolerance=1e-4 time.end=0.02)
+same_bits_test(sdc-1d bz-1d "${lines}" method.name=sdc method.step=5e-4 time.end=0.01)
+same_bits_test(sdc-adaptive-1d bz-1d "${lines}" method.name=sdc method.tolerance=1e-6 method.acceleration=true time.end=5e-3)
+same_bits_test(sdc-dirichlet brusselator-1d "${lines}" method.name=sdc method.step=0.1 method.nodes=gauss-legendre time.end=1)
+restart_test(sdc bz-1d 7 method.name=sdc method.step=5e-4 time.end=0.01)
+restart_test(sdc-adaptive bz-1d 11 method.name=sdc method.tolerance=1e-6 method.nodes=gauss-legendre time.end=4e-3)

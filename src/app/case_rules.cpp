@@ -12,6 +12,7 @@
 
 #include "custom_model_of.hpp"
 #include "schema.hpp"
+#include "sdc_defaults.hpp"
 #include "stiffront/app/methods.hpp"
 #include "stiffront/core/entry_error.hpp"
 #include "stiffront/core/spelling.hpp"
@@ -435,11 +436,27 @@ class Completion {
   }
 
   void method(SdcOptions& o) const {
-    complete_step(o.step);
-    const int order = 2 * o.node_count - (o.nodes == NodeFamily::gauss_legendre ? 0
-                                          : o.nodes == NodeFamily::gauss_radau  ? 1
-                                                                                : 2);
-    if (!o.corrections) o.corrections = std::max(0, order - o.starting_order);
+    if (c_.converge && !o.tolerance && !o.step) o.step = c_.converge->steps.front();
+    if (o.tolerance.has_value() == o.step.has_value()) {
+      fail(o.step ? "method.step" : "method",
+           fmt::format("{}: method.tolerance for adaptive steps, or method.step for fixed ones",
+                       o.step ? "expected only one of" : "missing: one of"));
+    }
+    if (o.starting_order && *o.starting_order > std::max(1, o.node_count - 1)) {
+      expected("method.starting_order", fmt::format("an integer below node_count = {}", o.node_count));
+    }
+    complete_sdc(o, c_.space.order);
+    if (o.final_update == SdcFinalUpdate::last_node && o.nodes == NodeFamily::gauss_legendre) {
+      expected("method.final_update", "\"auto\", \"quadrature\" or \"extrapolation\" with Legendre nodes, whose last one is not the end of the step");
+    }
+    if (o.correction == SdcCorrection::alternative && (*o.starting_order != 1 || !o.consistent || o.acceleration || o.tolerance)) {
+      fail("method.correction",
+           "the alternative form converges to the collocation solution only where the starting method is the correction method; it needs "
+           "starting_order = 1, consistent = true, a fixed step and no acceleration");
+    }
+    if (o.implicit_solver == SdcSolver::block_tridiagonal && c_.grid.points.size() > 1) {
+      expected("method.implicit_solver", "another solver in two dimensions");
+    }
   }
 
   void complete_tolerance(std::optional<Tolerance>& absolute, double relative) const {
@@ -502,7 +519,9 @@ class Completion {
         fail(path, fmt::format("{} is there twice", tree_.text(path)));
     }
     const auto* dcs = std::get_if<DcsOptions>(&c_.method);
-    if (dcs == nullptr && !o.iterations.empty()) fail("converge.iterations", "goes with method \"dcs\" only");
+    if (dcs == nullptr && name != "sdc" && !o.iterations.empty()) {
+      fail("converge.iterations", "goes with methods \"dcs\" and \"sdc\" only");
+    }
     if (dcs != nullptr && o.iterations.empty()) o.iterations = {dcs->iterations.value_or(*dcs->max_iterations)};
 
     ReferenceOptions& reference = o.reference;

@@ -25,6 +25,14 @@ inline constexpr std::array choice_words<NodeFamily>{"gauss-legendre", "gauss-lo
 template <>
 inline constexpr std::array choice_words<SdcSplitting>{"preconditioned", "imex"};
 template <>
+inline constexpr std::array choice_words<SdcImplicit>{"diffusion", "reaction"};
+template <>
+inline constexpr std::array choice_words<SdcSolver>{"auto", "cell-local", "block-tridiagonal"};
+template <>
+inline constexpr std::array choice_words<SdcCorrection>{"standard", "alternative"};
+template <>
+inline constexpr std::array choice_words<SdcFinalUpdate>{"auto", "last-node", "quadrature", "extrapolation"};
+template <>
 inline constexpr std::array choice_words<LinearSolver>{"band", "gmres"};
 template <>
 inline constexpr std::array choice_words<ReactionSolver>{"radau5", "cvode"};

@@ -60,6 +60,10 @@ Case with_step(Case c, double step, std::optional<int> iterations) {
           m.step = step;
           if (iterations) m.iterations = *iterations;
           if (!m.iterations) m.iterations = m.max_iterations;
+        } else if constexpr (std::is_same_v<M, SdcOptions>) {
+          m.tolerance.reset();
+          m.step = step;
+          if (iterations) m.corrections = *iterations;
         } else if constexpr (requires { m.step; }) {
           m.step = step;
         } else {
@@ -78,6 +82,8 @@ Case reference_case(const Case& c) {
   const ReferenceOptions& o = c.converge->reference;
   if (o.method == "sdc") {
     SdcOptions sdc;
+    if (const auto* own = std::get_if<SdcOptions>(&c.method)) sdc = *own;
+    sdc.tolerance.reset();
     sdc.step = o.step.value_or(0.0);
     r.method = sdc;
   } else {

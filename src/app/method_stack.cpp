@@ -8,12 +8,14 @@
 #include <variant>
 #include <vector>
 
+#include "sdc_defaults.hpp"
 #include "stiffront/control/adaptive_strang.hpp"
 #include "stiffront/control/cvode.hpp"
 #include "stiffront/control/deferred_correction.hpp"
 #include "stiffront/control/fixed_step.hpp"
 #include "stiffront/control/sbdf.hpp"
 #include "stiffront/control/sbdf_tables.hpp"
+#include "stiffront/control/spectral_deferred_correction.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/solvers/cvode_cells.hpp"
 #include "stiffront/solvers/rock4.hpp"
@@ -144,8 +146,45 @@ void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
   method_ = std::make_unique<DeferredCorrection>(problem.state, *rhs, *reaction_, *diffusion_, std::move(d));
 }
 
-void MethodStack::make(const Case& c, const SdcOptions&, Problem&) {
-  throw Error(ErrorKind::input, fmt::format("{}: method.name: \"sdc\" is not available in this version", c.file));
+void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem) {
+  SdcOptions o = given;
+  complete_sdc(o, c.space.order);
+  ImplicitTerms terms;
+  terms.gamma_diffusion = *o.gamma_diffusion;
+  if (o.splitting == SdcSplitting::imex && o.implicit == SdcImplicit::diffusion) terms.reaction = false;
+  if (o.splitting == SdcSplitting::imex && o.implicit == SdcImplicit::reaction) terms.gamma_diffusion = 0.0;
+  SdcSolver solver = o.implicit_solver;
+  if (solver == SdcSolver::automatic) {
+    solver = c.grid.dimension() == 1 && terms.gamma_diffusion > 0.0 ? SdcSolver::block_tridiagonal : SdcSolver::cell_local;
+  }
+  implicit_part_ = solver == SdcSolver::block_tridiagonal
+                       ? make_block_tridiagonal_part(problem.state, problem.diffusion, *problem.model, terms)
+                       : make_cell_local_part(problem.state, problem.diffusion, *problem.model, terms);
+
+  SpectralDeferredCorrectionOptions s;
+  switch (o.nodes) {
+    case NodeFamily::gauss_legendre: s.nodes = stiffront::NodeFamily::gauss_legendre; break;
+    case NodeFamily::gauss_lobatto: s.nodes = stiffront::NodeFamily::gauss_lobatto; break;
+    case NodeFamily::gauss_radau: s.nodes = stiffront::NodeFamily::gauss_radau; break;
+  }
+  s.node_count = o.node_count;
+  s.fixed_step = o.step.value_or(0.0);
+  s.tolerance = o.tolerance.value_or(0.0);
+  s.initial_step = o.initial_step;
+  s.starting_order = *o.starting_order;
+  s.corrections = *o.corrections;
+  s.consistent = o.consistent;
+  s.accelerate = o.acceleration;
+  using Correction = SpectralDeferredCorrectionOptions::Correction;
+  s.correction = o.correction == SdcCorrection::standard ? Correction::standard : Correction::alternative;
+  using FinalUpdate = SpectralDeferredCorrectionOptions::FinalUpdate;
+  switch (o.final_update) {
+    case SdcFinalUpdate::automatic: s.final_update = FinalUpdate::automatic; break;
+    case SdcFinalUpdate::last_node: s.final_update = FinalUpdate::last_node; break;
+    case SdcFinalUpdate::quadrature: s.final_update = FinalUpdate::quadrature; break;
+    case SdcFinalUpdate::extrapolation: s.final_update = FinalUpdate::extrapolation; break;
+  }
+  method_ = std::make_unique<SpectralDeferredCorrection>(problem.state, problem.rhs, *implicit_part_, problem.model.get(), s);
 }
 
 void MethodStack::make(const Case&, const SbdfOptions& o, Problem& problem) {

@@ -14,7 +14,7 @@ const std::vector<MethodEntry>& methods() {
       {"dcs", "deferred correction of a splitting on Radau IIA nodes, order up to 2 stages - 1, adaptive or fixed step",
        "Duarte, Emmett, High order schemes based on operator splitting and deferred corrections, hal-01016684, 2016",
        DcsOptions{}},
-      {"sdc", "spectral deferred correction of a preconditioned or IMEX splitting (read and checked, but not in this version)",
+      {"sdc", "spectral deferred correction of a preconditioned or IMEX splitting, order up to 2 node_count, adaptive or fixed step",
        "Hagstrom, Zhou, Commun. Appl. Math. Comput. Sci. 1(1), 2006", SdcOptions{}},
       {"sbdf", "IMEX BDF of variable order 2 to 5 with cell-local sweeps, adaptive step",
        "Ascher, Ruuth, Wetton, SIAM J. Numer. Anal. 32(3), 1995; sweeps after Hagstrom, Zhou 2006", SbdfOptions{}},

@@ -325,7 +325,7 @@ INSTANTIATE_TEST_SUITE_P(
         Rule{{"method={ name = \"lie\" }", "converge.steps=[3]"},
              "converge.steps[0]: expected a step not above the time span 2.0, got 3"},
         Rule{{"method={ name = \"lie\" }", "converge={ steps = [0.1], iterations = [1] }"},
-             "converge.iterations: goes with method \"dcs\" only"},
+             "converge.iterations: goes with methods \"dcs\" and \"sdc\" only"},
         Rule{{"method={ name = \"lie\" }",
               "converge={ steps = [0.1], reference = { method = \"cvode\", file = \"a\" } }"},
              "converge.reference: expected only one of method and file"},

@@ -6,6 +6,7 @@
 #include "stiffront/app/problem.hpp"
 #include "stiffront/control/method.hpp"
 #include "stiffront/core/timer.hpp"
+#include "stiffront/solvers/implicit_part.hpp"
 #include "stiffront/splitting/reaction_flow.hpp"
 
 namespace stiffront::app {
@@ -46,6 +47,7 @@ class MethodStack {
   std::unique_ptr<Flow> diffusion_;
   std::unique_ptr<DiffusionOperator> quadrature_diffusion_;  // dcs with a higher order in its quadrature
   std::unique_ptr<CoupledRhs> quadrature_rhs_;
+  std::unique_ptr<ImplicitPart> implicit_part_;              // sdc
   std::unique_ptr<Method> method_;
   std::string choice_;
 };

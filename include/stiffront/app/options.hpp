@@ -167,18 +167,29 @@ struct DcsOptions {
 
 enum class NodeFamily { gauss_legendre, gauss_lobatto, gauss_radau };
 enum class SdcSplitting { preconditioned, imex };
+enum class SdcImplicit { diffusion, reaction };
+enum class SdcSolver { automatic, cell_local, block_tridiagonal };
+enum class SdcCorrection { standard, alternative };
+enum class SdcFinalUpdate { automatic, last_node, quadrature, extrapolation };
 
-/// method.name = "sdc" (Hagstrom, Zhou, CAMCoS 1(1), 2006)
+/// method.name = "sdc" (Hagstrom, Zhou, CAMCoS 1(1), 2006). Exactly one of tolerance and step is set.
 struct SdcOptions {
   NodeFamily nodes = NodeFamily::gauss_radau;
   int node_count = 4;
-  double step = 0.0;
-  int starting_order = 2;
-  std::optional<int> corrections;  ///< complete case: always set
+  std::optional<double> step;
+  std::optional<double> tolerance;
+  double initial_step = 0.0;            ///< 0 = chosen by the program
+  std::optional<int> starting_order;    ///< complete case: always set
+  std::optional<int> corrections;       ///< complete case: always set
   bool consistent = true;
-  double gamma_diffusion = 2.0;
+  SdcCorrection correction = SdcCorrection::standard;
+  SdcFinalUpdate final_update = SdcFinalUpdate::automatic;
+  bool acceleration = false;
+  std::optional<double> gamma_diffusion;  ///< complete case: always set
   double gamma_advection = 0.0;
   SdcSplitting splitting = SdcSplitting::preconditioned;
+  SdcImplicit implicit = SdcImplicit::diffusion;
+  SdcSolver implicit_solver = SdcSolver::automatic;
 
   bool operator==(const SdcOptions&) const = default;
 };

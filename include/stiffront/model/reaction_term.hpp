@@ -14,6 +14,9 @@ class ReactionTerm {
   virtual void add_rates(double t, const Field& u, Field& du, const FreeBox& box) const = 0;
   /// product += J(t, x, y, u) direction at the points of the box, J the Jacobian of the rates.
   virtual void add_jacobian_product(double t, const Field& u, const Field& direction, Field& product, const FreeBox& box) const = 0;
+  /// jacobian = J(t, x, y, u) at the points of the box: entry (r, c) in species r * n + c of a field of n^2 species. Other points are
+  /// left alone.
+  virtual void jacobian(double t, const Field& u, Field& jacobian, const FreeBox& box) const = 0;
   /// A bound on the modulus of the reaction Jacobian's eigenvalues over the box, some ten per cent above the largest modulus for
   /// kinetics as they are; infinity if something is not finite. This rank only.
   virtual double jacobian_bound(double t, const Field& u, const FreeBox& box) const = 0;

@@ -121,6 +121,21 @@ class ModelKernelsOf final : public ModelKernels {
     }
   }
 
+  void jacobian(double t, const Field& u, Field& result, const FreeBox& box) const override {
+    constexpr int m = M::n_species;
+    const Decomposition& d = u.decomposition();
+    for (int j = box.j_begin; j < box.j_end; ++j) {
+      for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
+        Pack v[m];
+        Pack dv[m];
+        Pack entries[m][m];
+        for (int s = 0; s < m; ++s) v[s] = Pack::load_partial(u.row(s, j) + i, n);
+        rates_and_jacobian(model_, v, dv, entries, place_of_pack(d, t, i, j, n));
+        for (int k = 0; k < m * m; ++k) entries[k / m][k % m].store_partial(result.row(k, j) + i, n);
+      });
+    }
+  }
+
   double jacobian_bound(double t, const Field& u, const FreeBox& box) const override {
     constexpr int m = M::n_species;
     const Decomposition& d = u.decomposition();

@@ -3,16 +3,18 @@
 #include "stiffront/mesh/halo_exchange.hpp"
 #include "stiffront/model/reaction_term.hpp"
 #include "stiffront/space/diffusion_operator.hpp"
+#include "stiffront/space/right_hand_side.hpp"
 
 namespace stiffront {
 
 /// The full right-hand side F(t, u) = D Laplacian(u) + rates(t, x, y, u).
-class CoupledRhs {
+class CoupledRhs final : public RightHandSide {
  public:
   CoupledRhs(const Decomposition& decomposition, const DiffusionOperator& diffusion, const ReactionTerm& reaction);
 
   /// du = F(t, u). Dirichlet points get du = 0. The halo of u is brought up to date. @mpi collective.
-  void evaluate(double t, Field& u, Field& du);
+  void evaluate(double t, Field& u, Field& du) override;
+  const Boundary& boundary() const override { return diffusion_->boundary(); }
 
   const DiffusionOperator& diffusion() const { return *diffusion_; }
   const ReactionTerm& reaction() const { return *reaction_; }

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "stiffront/mesh/field.hpp"
+#include "stiffront/model/reaction_term.hpp"
+#include "stiffront/solvers/work.hpp"
+#include "stiffront/space/diffusion_operator.hpp"
+
+namespace stiffront {
+
+/// The linear operator P of the splitting F(v) = -P v + (F(v) + P v), of which the first part is treated implicitly.
+///
+/// @see Hagstrom & Zhou, Commun. Appl. Math. Comput. Sci. 1(1), 2006, eq. (5-1)
+class ImplicitPart {
+ public:
+  virtual ~ImplicitPart() = default;
+  /// Solves (1 + h P) x = b for P at the state `at` and the time t; b becomes x. At Dirichlet points b holds x already. A singular
+  /// matrix gives a solution that is not finite. @pre b is not `at`. @mpi collective.
+  virtual void solve(double t, double h, const Field& at, Field& b, Work& work) = 0;
+};
+
+/// What P = -(reaction Jacobian + gamma D Laplacian) is made of. The Laplacian is the one of three points per direction, whatever the
+/// order of the differences in F: twice of it (gamma = 2) outweighs those of any order.
+struct ImplicitTerms {
+  bool reaction = true;
+  double gamma_diffusion = 1.0;
+};
+
+/// Of the Laplacian only the diagonal: every cell by itself. Without communication, but as a correction it needs h times the spectral
+/// radius of the diffusion to be moderate.
+std::unique_ptr<ImplicitPart> make_cell_local_part(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction,
+                                                   ImplicitTerms terms);
+
+/// The whole P in one dimension, solved directly by block cyclic reduction (solvers/block_tridiagonal.hpp).
+/// @throws Error(input) in two dimensions
+std::unique_ptr<ImplicitPart> make_block_tridiagonal_part(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction,
+                                                          ImplicitTerms terms);
+
+}  // namespace stiffront
