@@ -436,6 +436,7 @@ class Completion {
   }
 
   void method(SdcOptions& o) const {
+    negative_states_are_reported();
     if (c_.converge && !o.tolerance && !o.step) o.step = c_.converge->steps.front();
     if (o.tolerance.has_value() == o.step.has_value()) {
       fail(o.step ? "method.step" : "method",
@@ -459,6 +460,12 @@ class Completion {
     }
   }
 
+  /// For methods that cannot try a step again because of a negative value.
+  void negative_states_are_reported() const {
+    if (c_.reaction_solver.positivity != Positivity::reject_step) return;
+    fail("reaction_solver.positivity", fmt::format("\"reject-step\" does not go with method \"{}\"; use \"report\"", method_name(c_.method)));
+  }
+
   void complete_tolerance(std::optional<Tolerance>& absolute, double relative) const {
     if (!absolute) absolute = relative / 100.0;
     if (auto* each = std::get_if<NamedList<double>>(&*absolute)) {
@@ -473,9 +480,7 @@ class Completion {
   void method(CvodeOptions& o) const {
     complete_tolerance(o.absolute_tolerance, o.relative_tolerance);
     if (!o.linear_solver) o.linear_solver = LinearSolver::gmres;
-    if (c_.reaction_solver.positivity == Positivity::reject_step) {
-      fail("reaction_solver.positivity", "\"reject-step\" does not go with method \"cvode\", which chooses its own steps; use \"report\"");
-    }
+    negative_states_are_reported();
   }
 
   // [output]

@@ -413,7 +413,7 @@ std::vector<Key> solver_keys() {
              "\"auto\": cells move between processes by counted cost"),
       choice("reaction_solver.positivity", STIFFRONT_OPTION(reaction_solver.positivity),
              "\"report\": states with negative values are counted; \"reject-step\": such a step is tried again with half its "
-             "size, with any method but cvode"),
+             "size, with any method but sdc and cvode"),
   };
 }
 

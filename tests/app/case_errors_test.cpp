@@ -296,7 +296,9 @@ INSTANTIATE_TEST_SUITE_P(
     OutputAndConverge, CaseRule,
     ::testing::Values(
         Rule{{"method={ name = \"cvode\" }", "reaction_solver.positivity=reject-step"},
-             "reaction_solver.positivity: \"reject-step\" does not go with method \"cvode\", which chooses its own steps; use \"report\""},
+             "reaction_solver.positivity: \"reject-step\" does not go with method \"cvode\"; use \"report\""},
+        Rule{{"method={ name = \"sdc\", step = 0.1 }", "reaction_solver.positivity=reject-step"},
+             "reaction_solver.positivity: \"reject-step\" does not go with method \"sdc\"; use \"report\""},
         Rule{{"output.every=0.1", "output.steps=3"}, "output.steps: expected only one of times, every and steps"},
         Rule{{"output.times=[1.0]", "output.every=0.1"}, "output.every: expected only one of times, every and steps"},
         Rule{{"output.times=[0.5, 0.4]"}, "output.times[1]: expected increasing times from 0.0 to 2.0, got 0.4"},

@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(
         Named{"dcs_fixed", every_option_text("[method]\nname = \"dcs\"\nstep = 1e-4\niterations = 2\nstages = 5"), {}},
         Named{"sdc",
               every_option_text("[method]\nname = \"sdc\"\nstep = 1e-4\nnodes = \"gauss-lobatto\"\nconsistent = false"),
-              {}},
+              {"reaction_solver.positivity=report"}},
         Named{"sbdf",
               every_option_text("[method]\nname = \"sbdf\"\nabsolute_tolerance = {v = 1e-9, u = 1e-3}\nmax_order = 2"),
               {}},
