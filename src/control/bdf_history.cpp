@@ -27,22 +27,29 @@ Pack load(const double* p, int n) { return n == pack_size ? Pack::load(p) : Pack
 void store(Pack x, double* p, int n) { n == pack_size ? x.store(p) : x.store_partial(p, n); }
 
 template <int points>
-void combine(std::span<const Field* const> states, const BdfWeights& e, const BdfWeights& w, Field& predictor,
-             Field& right_side, const FreeBox& box) {
-  for (int s = 0; s < predictor.n_species(); ++s) {
+void combine(std::span<const Field* const> states, const BdfWeights& e, const BdfWeights& w, const Rows& predictor,
+             const Rows& right_side, const FreeBox& box, int shift) {
+  // In registers: what is reached through a reference would be read again after every store.
+  Pack to_predictor[points];
+  Pack to_right_side[points];
+  for (std::size_t k = 0; k < points; ++k) {
+    to_predictor[k] = Pack(e[k]);
+    to_right_side[k] = Pack(w[k]);
+  }
+  for (int s = 0; s < states[0]->n_species(); ++s) {
     for (int j = box.j_begin; j < box.j_end; ++j) {
       const double* v[points];
-      for (std::size_t k = 0; k < points; ++k) v[k] = states[k]->row(s, j);
-      double* p = predictor.row(s, j);
-      double* r = right_side.row(s, j);
-      for_each_overlapping_pack(box.i_begin, box.i_end, [&](int i, int n, Mask) {
+      for (std::size_t k = 0; k < points; ++k) v[k] = states[k]->row(s, j + shift);
+      double* const p = predictor.row(s, j);
+      double* const r = right_side.row(s, j);
+      for_each_overlapping_pack(box.i_begin, box.i_end, [&](int i, int n, Mask) __attribute__((always_inline)) {
         Pack x = load(v[0] + i, n);
-        Pack p_sum = Pack(e[0]) * x;
-        Pack r_sum = Pack(w[0]) * x;
+        Pack p_sum = to_predictor[0] * x;
+        Pack r_sum = to_right_side[0] * x;
         for (std::size_t k = 1; k < points; ++k) {
           x = load(v[k] + i, n);
-          p_sum = mul_add(Pack(e[k]), x, p_sum);
-          r_sum = mul_add(Pack(w[k]), x, r_sum);
+          p_sum = mul_add(to_predictor[k], x, p_sum);
+          r_sum = mul_add(to_right_side[k], x, r_sum);
         }
         store(p_sum, p + i, n);
         store(r_sum, r + i, n);
@@ -53,98 +60,115 @@ void combine(std::span<const Field* const> states, const BdfWeights& e, const Bd
 
 }  // namespace
 
-void bdf_combine(std::span<const Field* const> states, const BdfWeights& e, const BdfWeights& w, Field& predictor,
-                 Field& right_side, const FreeBox& box) {
+void bdf_combine(std::span<const Field* const> states, const BdfWeights& e, const BdfWeights& w, const Rows& predictor,
+                 const Rows& right_side, const FreeBox& box, int shift) {
   switch (states.size()) {
     case 1:
-      return combine<1>(states, e, w, predictor, right_side, box);
+      return combine<1>(states, e, w, predictor, right_side, box, shift);
     case 2:
-      return combine<2>(states, e, w, predictor, right_side, box);
+      return combine<2>(states, e, w, predictor, right_side, box, shift);
     case 3:
-      return combine<3>(states, e, w, predictor, right_side, box);
+      return combine<3>(states, e, w, predictor, right_side, box, shift);
     case 4:
-      return combine<4>(states, e, w, predictor, right_side, box);
+      return combine<4>(states, e, w, predictor, right_side, box, shift);
     case 5:
-      return combine<5>(states, e, w, predictor, right_side, box);
+      return combine<5>(states, e, w, predictor, right_side, box, shift);
     default:
-      return combine<6>(states, e, w, predictor, right_side, box);
+      return combine<6>(states, e, w, predictor, right_side, box, shift);
   }
 }
 
-bool bdf_add_difference(const Field& v, const Field& reference, const BdfTolerances& tolerances, const FreeBox& box,
+bool bdf_add_difference(const Field& v, const ConstRows& reference, const BdfTolerances& tolerances, const FreeBox& box,
                         ReproducibleSum& sum) {
   const Pack relative(tolerances.relative);
-  Pack smallest(0.0);
   const int n_species = v.n_species();
+  const double* const absolute = tolerances.absolute.data();
   const std::ptrdiff_t stride = v.species_stride();
+  const std::ptrdiff_t r_stride = reference.species_stride;
+  Pack smallest(0.0);
+  ReproducibleSum total = sum;
   for (int j = box.j_begin; j < box.j_end; ++j) {
     const double* v_row = v.row(0, j);
     const double* r_row = reference.row(0, j);
-    for_each_overlapping_pack(box.i_begin, box.i_end, [&](int i, int n, Mask fresh) {
+    for_each_overlapping_pack(box.i_begin, box.i_end, [&](int i, int n, Mask fresh) __attribute__((always_inline)) {
       Pack squares(0.0);
       for (int s = 0; s < n_species; ++s) {
         const Pack x = load(v_row + s * stride + i, n);
-        const Pack scale = mul_add(relative, abs(x), Pack(tolerances.absolute[static_cast<std::size_t>(s)]));
-        const Pack scaled = (x - load(r_row + s * stride + i, n)) / scale;
+        const Pack scale = mul_add(relative, abs(x), Pack(absolute[s]));
+        const Pack scaled = (x - load(r_row + s * r_stride + i, n)) / scale;
         squares = mul_add(scaled, scaled, squares);
         smallest = min(smallest, x);
       }
-      sum.add(squares * squares, fresh);
+      total.add(squares * squares, fresh);
     });
   }
+  sum = total;
   return min_lane(smallest) < 0.0;
 }
 
 namespace {
 
 template <std::size_t points>
-void add_order_differences(const Field& v, const Field& predictor, std::span<const Field* const> states,
+void add_order_differences(const Field& v, const ConstRows& predictor, std::span<const Field* const> states,
                            const BdfWeights& lower, const BdfWeights& upper, const BdfTolerances& tolerances,
-                           const FreeBox& box, BdfOrderSums& sums, std::span<double> extremes) {
+                           const FreeBox& box, const BdfOrderSums& sums, std::span<Pack> extremes) {
   const Pack relative(tolerances.relative);
   const auto n_species = static_cast<std::size_t>(v.n_species());
   const std::ptrdiff_t stride = v.species_stride();
+  Pack to_lower[points];
+  Pack to_upper[points];
+  for (std::size_t k = 0; k < points; ++k) {
+    to_lower[k] = Pack(lower[k]);
+    to_upper[k] = Pack(upper[k]);
+  }
+  ReproducibleSum total_lower = sums.lower;
+  ReproducibleSum total = sums.same;
+  ReproducibleSum total_upper = sums.upper;
   for (int j = box.j_begin; j < box.j_end; ++j) {
     const double* v_row = v.row(0, j);
     const double* p_row = predictor.row(0, j);
     const double* state_row[points];
     for (std::size_t k = 0; k < points; ++k) state_row[k] = states[k]->row(0, j);
-    for_each_overlapping_pack(box.i_begin, box.i_end, [&](int i, int n, Mask fresh) {
+    for_each_overlapping_pack(box.i_begin, box.i_end, [&](int i, int n, Mask fresh) __attribute__((always_inline)) {
       Pack low(0.0);
       Pack same(0.0);
       Pack high(0.0);
       for (std::size_t s = 0; s < n_species; ++s) {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(s) * stride + i;
+        const std::ptrdiff_t p_at = static_cast<std::ptrdiff_t>(s) * predictor.species_stride + i;
         const Pack x = load(v_row + at, n);
-        Pack to_lower = x;
-        Pack to_upper = x;
+        Pack off_lower = x;
+        Pack off_upper = x;
         for (std::size_t k = 0; k < points; ++k) {
           const Pack y = load(state_row[k] + at, n);
-          to_lower = neg_mul_add(Pack(lower[k]), y, to_lower);
-          to_upper = neg_mul_add(Pack(upper[k]), y, to_upper);
+          off_lower = neg_mul_add(to_lower[k], y, off_lower);
+          off_upper = neg_mul_add(to_upper[k], y, off_upper);
         }
-        const Pack scale = mul_add(relative, abs(x), Pack(tolerances.absolute[s]));
-        const Pack to_same = (x - load(p_row + at, n)) / scale;
-        to_lower /= scale;
-        to_upper /= scale;
-        low = mul_add(to_lower, to_lower, low);
-        same = mul_add(to_same, to_same, same);
-        high = mul_add(to_upper, to_upper, high);
-        extremes[s] = std::max(extremes[s], max_lane(x));
-        extremes[n_species + s] = std::max(extremes[n_species + s], max_lane(-x));
+        const Pack scale = Pack(1.0) / mul_add(relative, abs(x), Pack(tolerances.absolute[s]));
+        const Pack off = (x - load(p_row + p_at, n)) * scale;
+        off_lower *= scale;
+        off_upper *= scale;
+        low = mul_add(off_lower, off_lower, low);
+        same = mul_add(off, off, same);
+        high = mul_add(off_upper, off_upper, high);
+        extremes[s] = max(extremes[s], x);
+        extremes[n_species + s] = max(extremes[n_species + s], -x);
       }
-      sums.lower.add(low * low, fresh);
-      sums.same.add(same * same, fresh);
-      sums.upper.add(high * high, fresh);
+      total_lower.add(low * low, fresh);
+      total.add(same * same, fresh);
+      total_upper.add(high * high, fresh);
     });
   }
+  sums.lower = total_lower;
+  sums.same = total;
+  sums.upper = total_upper;
 }
 
 }  // namespace
 
-void bdf_add_order_differences(const Field& v, const Field& predictor, std::span<const Field* const> states,
+void bdf_add_order_differences(const Field& v, const ConstRows& predictor, std::span<const Field* const> states,
                                const BdfWeights& lower, const BdfWeights& upper, const BdfTolerances& tolerances,
-                               const FreeBox& box, BdfOrderSums& sums, std::span<double> extremes) {
+                               const FreeBox& box, const BdfOrderSums& sums, std::span<Pack> extremes) {
   const auto add = [&]<std::size_t points>() {
     add_order_differences<points>(v, predictor, states, lower, upper, tolerances, box, sums, extremes);
   };

@@ -92,7 +92,10 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
       predictor_(shape.similar()),
       right_side_(shape.similar()),
       work_(shape.similar()),
+      step_extremes_(2 * static_cast<std::size_t>(shape.n_species()), Pack(0.0)),
       agreement_(3, 2 * shape.n_species() + 1) {
+  if (SbdfWavefront::serves(shape.decomposition(), diffusion_->boundary()))
+    wavefront_.emplace(shape, *diffusion_, *kernel_, options_.max_sweeps, options_.wavefront_depth);
   absolute_.resize(static_cast<std::size_t>(shape.n_species()), 0.0);
   const Decomposition& decomposition = shape.decomposition();
   for (int i = 0; i < options_.max_order; ++i) history_.push_back(predictor_.similar());
@@ -133,7 +136,7 @@ Sbdf::Treatment Sbdf::treatment(int order, double dt) const {
 
 double Sbdf::cap_step(int order, double dt) const {
   // Largest step per cost; a step costs its sweeps and the work on the history.
-  const double overhead = 0.6 + 0.1 * order;
+  const double overhead = 1.5 + 0.35 * order;
   double best = 0.0;
   double best_dt = std::min(dt, usable_z(order, 1) / rho_);
   const auto consider = [&](double h, double cost) {
@@ -272,9 +275,10 @@ void Sbdf::sweep(const Step& step, double t_new, const Field& v, Field& out, dou
   sweep.t = t_new;
   sweep.gamma = step.gamma;
   sweep.shift = shift;
-  sweep.v = &v;
-  sweep.r = &right_side_;
-  sweep.out = &out;
+  sweep.decomposition = &v.decomposition();
+  sweep.v = rows_of(v);
+  sweep.r = rows_of(std::as_const(right_side_));
+  sweep.out = rows_of(out);
   if (!has_neighbours_) {
     halo_.finish();
     kernel_->sweep(*diffusion_, sweep, free_);
@@ -290,11 +294,58 @@ void Sbdf::iterate_line(const Step& step, double t_new, const Field& v, Field& o
   SbdfSweep sweep;
   sweep.t = t_new;
   sweep.gamma = step.gamma;
-  sweep.v = &v;
-  sweep.r = &right_side_;
-  sweep.out = &out;
+  sweep.decomposition = &v.decomposition();
+  sweep.v = rows_of(v);
+  sweep.r = rows_of(std::as_const(right_side_));
+  sweep.out = rows_of(out);
   halo_.finish();
   line_->iterate(*diffusion_, sweep, c, free_);
+}
+
+std::span<const double> Sbdf::shifts_of(const Step& step) const {
+  return step.sweeps == 0 ? line_factors(diffusion_->order()) : sbdf_shifts(step.order, step.sweeps);
+}
+
+void Sbdf::add_errors(const Step& step, const Field& u_new, const ConstRows& predictor, const FreeBox& box) {
+  const BdfTolerances tolerances{options_.relative_tolerance, absolute_};
+  if (!step.tests_order) {
+    is_negative_ |= bdf_add_difference(u_new, predictor, tolerances, box, agreement_.sums[0]);
+    return;
+  }
+  const std::span<const Field* const> states(pointers_.data(), std::min({states_, step.points + 1, history_.size() + 1}));
+  bdf_add_order_differences(u_new, predictor, states, step.lower, step.upper, tolerances, box,
+                            {agreement_.sums[1], agreement_.sums[0], agreement_.sums[2]}, step_extremes_);
+}
+
+void Sbdf::step_to(const Step& step, double t_new, Field& u_new) {
+  const std::span<const Field* const> states(pointers_.data(), step.points);
+  const auto shifts = shifts_of(step);
+  const bool on_line = step.sweeps == 0;
+  if (wavefront_ && !on_line) {
+    // One reference is all the callback holds, so that it is made without an allocation.
+    const auto add = [&, this](const FreeBox& box, const ConstRows& p) { add_errors(step, u_new, p, box); };
+    wavefront_->run({t_new, step.gamma, states, step.predictor, step.history, shifts}, predictor_, right_side_, work_,
+                    u_new, std::cref(add));
+    return;
+  }
+  bdf_combine(states, step.predictor, step.history, rows_of(predictor_), rows_of(right_side_), free_);
+  const auto passes = static_cast<int>(shifts.size());
+  const Boundary& boundary = diffusion_->boundary();
+  if (boundary.has_dirichlet()) {
+    boundary.impose(predictor_, t_new);
+    boundary.impose(u_new, t_new);
+    if (passes > 1) boundary.impose(work_, t_new);
+  }
+  Field* v = &predictor_;
+  for (int j = 0; j < passes; ++j) {
+    Field* out = (passes - 1 - j) % 2 == 0 ? &u_new : &work_;
+    Field* const exchanged = v;
+    halo_.begin(std::span<Field* const>(&exchanged, 1));
+    const double shift = shifts[static_cast<std::size_t>(j)];
+    on_line ? iterate_line(step, t_new, *v, *out, shift) : sweep(step, t_new, *v, *out, shift);
+    v = out;
+  }
+  add_errors(step, u_new, rows_of(std::as_const(predictor_)), free_);
 }
 
 Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
@@ -306,63 +357,35 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   const Step step = plan(dt);
   const double t_new = t + dt;
 
-  const std::span<const Field* const> states(pointers_.data(), bdf_max_points);
-  bdf_combine(states.first(step.points), step.predictor, step.history, predictor_, right_side_, free_);
-  const Boundary& boundary = diffusion_->boundary();
-  if (boundary.has_dirichlet()) {
-    boundary.impose(predictor_, t_new);
-    boundary.impose(u_new, t_new);
-    if (step.sweeps != 1) boundary.impose(work_, t_new);
-  }
-
-  const bool on_line = step.sweeps == 0;
-  const auto shifts = on_line ? line_factors(diffusion_->order()) : sbdf_shifts(step.order, step.sweeps);
-  const auto passes = static_cast<int>(shifts.size());
-  Field* v = &predictor_;
-  for (int j = 0; j < passes; ++j) {
-    Field* out = (passes - 1 - j) % 2 == 0 ? &u_new : &work_;
-    Field* const exchanged = v;
-    halo_.begin(std::span<Field* const>(&exchanged, 1));
-    const double shift = shifts[static_cast<std::size_t>(j)];
-    on_line ? iterate_line(step, t_new, *v, *out, shift) : sweep(step, t_new, *v, *out, shift);
-    v = out;
-  }
+  for (ReproducibleSum& sum : agreement_.sums) sum.reset();
+  std::fill(step_extremes_.begin(), step_extremes_.end(), Pack(0.0));
+  std::fill(agreement_.maxima.begin(), agreement_.maxima.end(), 0.0);
+  is_negative_ = false;
+  step_to(step, t_new, u_new);
+  const auto passes = static_cast<std::int64_t>(shifts_of(step).size());
   const auto cells = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
-  (on_line ? attempt.work.line_solves : attempt.work.sweeps) = passes;
+  (step.sweeps == 0 ? attempt.work.line_solves : attempt.work.sweeps) = passes;
   attempt.work.halo_exchanges = passes;
   attempt.work.reaction_rhs = attempt.work.reaction_jacobians = cells * passes;
 
-  const BdfTolerances tolerances{options_.relative_tolerance, absolute_};
   BdfErrors errors;
-  for (ReproducibleSum& s : agreement_.sums) s.reset();
   agreement_.flags = flags;
   if (step.tests_order) {
-    std::fill(agreement_.maxima.begin(), agreement_.maxima.end(), 0.0);
-    BdfOrderSums sums;
-    bdf_add_order_differences(u_new, predictor_,
-                              states.first(std::min({states_, step.points + 1, history_.size() + 1})), step.lower,
-                              step.upper, tolerances, free_, sums, agreement_.maxima);
-    agreement_.sums[0] = sums.same;
-    agreement_.sums[1] = sums.lower;
-    agreement_.sums[2] = sums.upper;
+    for (std::size_t s = 0; s < step_extremes_.size(); ++s) agreement_.maxima[s] = max_lane(step_extremes_[s]);
+    const auto sizes = agreement_.maxima.begin();  // largest v_s, then largest -v_s
+    is_negative_ = std::any_of(sizes + u.n_species(), sizes + 2 * u.n_species(), [](double x) { return x > 0.0; });
     if (control_.wants_quiet_order()) {
       agreement_.maxima.back() =
           options_.max_order - highest_quiet_order(options_.max_order, t_new, control_.suspected_dt(), u_new, *model_, free_);
     }
-    const auto sizes = agreement_.maxima.begin();  // largest v_s, then largest -v_s
-    if (std::any_of(sizes + u.n_species(), sizes + 2 * u.n_species(), [](double x) { return x > 0.0; })) {
-      agreement_.flags |= step_flags::negative;
-    }
-    comm_->agree(agreement_);
-    if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
-    if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);
-    if (step.second_factor > 0.0) errors.second = step.second_factor * norm(agreement_.sums[2]);
-    if (control_.wants_quiet_order()) {
-      errors.quiet_order = options_.max_order - static_cast<int>(agreement_.maxima.back());
-    }
-  } else {
-    if (bdf_add_difference(u_new, predictor_, tolerances, free_, agreement_.sums[0])) agreement_.flags |= step_flags::negative;
-    comm_->agree(agreement_);
+  }
+  if (is_negative_) agreement_.flags |= step_flags::negative;
+  comm_->agree(agreement_);
+  if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
+  if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);
+  if (step.second_factor > 0.0) errors.second = step.second_factor * norm(agreement_.sums[2]);
+  if (step.tests_order && control_.wants_quiet_order()) {
+    errors.quiet_order = options_.max_order - static_cast<int>(agreement_.maxima.back());
   }
   errors.same = step.error_factor * norm(agreement_.sums[0]);
   flags = agreement_.flags;

@@ -40,10 +40,10 @@ class SweepProblem {
     halo.exchange(v);
   }
 
-  SbdfSweep sweep() const { return {0.4, 2e-3, 1.3, &v, &r, nullptr}; }
+  SbdfSweep sweep() const { return {0.4, 2e-3, 1.3, &decomposition_, rows_of(v), rows_of(r), {}}; }
   void run(const FreeBox& box, Field& to) const {
     SbdfSweep s = sweep();
-    s.out = &to;
+    s.out = rows_of(to);
     kernel_.sweep(diffusion_, s, box);
   }
   FreeBox box() const { return {0, v.n_x(), 0, v.n_y()}; }

@@ -58,9 +58,10 @@ struct Equation {
     halo.exchange(v);
     SbdfSweep sweep;
     sweep.gamma = gamma;
-    sweep.v = &v;
-    sweep.r = &r;
-    sweep.out = &out;
+    sweep.decomposition = &v.decomposition();
+    sweep.v = rows_of(v);
+    sweep.r = rows_of(r);
+    sweep.out = rows_of(out);
     line->iterate(problem.diffusion, sweep, c, box);
     swap(v, out);
   }

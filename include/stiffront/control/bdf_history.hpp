@@ -5,7 +5,7 @@
 
 #include "stiffront/core/reproducible_sum.hpp"
 #include "stiffront/mesh/boundary.hpp"
-#include "stiffront/mesh/field.hpp"
+#include "stiffront/mesh/rows.hpp"
 
 namespace stiffront {
 
@@ -16,10 +16,11 @@ inline constexpr std::size_t bdf_max_points = 6;
 /// A combination sum_i weight_i v_i of earlier states, newest first.
 using BdfWeights = std::array<double, bdf_max_points>;
 
-/// predictor = sum e_i v_i and right_side = sum w_i v_i at the points of the box, in one pass.
+/// predictor = sum e_i v_i and right_side = sum w_i v_i at the points of the box, in one pass. Row j of the results comes
+/// from row j + shift of the states.
 /// @pre the outputs are none of the states; 1 <= states.size() <= bdf_max_points
-void bdf_combine(std::span<const Field* const> states, const BdfWeights& e, const BdfWeights& w, Field& predictor,
-                 Field& right_side, const FreeBox& box);
+void bdf_combine(std::span<const Field* const> states, const BdfWeights& e, const BdfWeights& w, const Rows& predictor,
+                 const Rows& right_side, const FreeBox& box, int shift = 0);
 
 /// Scales of the error of a species: |error| <= absolute + relative |v|.
 struct BdfTolerances {
@@ -33,22 +34,23 @@ struct BdfTolerances {
 /// The error norm is the fourth root of the mean: a spot of 1 % of the cells enters with a third of its size, where it
 /// would enter the root mean square with a tenth.
 /// @return whether v is negative anywhere
-bool bdf_add_difference(const Field& v, const Field& reference, const BdfTolerances& tolerances, const FreeBox& box,
+bool bdf_add_difference(const Field& v, const ConstRows& reference, const BdfTolerances& tolerances, const FreeBox& box,
                         ReproducibleSum& sum);
 
 /// What a test of the neighbouring orders needs: sums as above of the differences of v to the predictor in use and to
 /// those through one point less and one more.
 struct BdfOrderSums {
-  ReproducibleSum lower;
-  ReproducibleSum same;
-  ReproducibleSum upper;
+  ReproducibleSum& lower;
+  ReproducibleSum& same;
+  ReproducibleSum& upper;
 };
 
 /// Gathers them in one pass.
 /// @param lower, upper weights of those predictors on the states
-/// @param extremes largest v_s and then largest -v_s so far, one per species each; raised where v is larger
-void bdf_add_order_differences(const Field& v, const Field& predictor, std::span<const Field* const> states,
+/// @param extremes largest v_s and then largest -v_s so far, one pack per species each, raised lane by lane where v is
+/// larger
+void bdf_add_order_differences(const Field& v, const ConstRows& predictor, std::span<const Field* const> states,
                                const BdfWeights& lower, const BdfWeights& upper, const BdfTolerances& tolerances,
-                               const FreeBox& box, BdfOrderSums& sums, std::span<double> extremes);
+                               const FreeBox& box, const BdfOrderSums& sums, std::span<Pack> extremes);
 
 }  // namespace stiffront

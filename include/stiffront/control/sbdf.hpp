@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "stiffront/control/bdf_history.hpp"
 #include "stiffront/control/method.hpp"
 #include "stiffront/control/sbdf_tables.hpp"
+#include "stiffront/control/sbdf_wavefront.hpp"
 #include "stiffront/mesh/halo_exchange.hpp"
 #include "stiffront/solvers/model_kernels.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
@@ -24,6 +26,7 @@ struct SbdfOptions {
   int max_order = 5;                       ///< 1 .. 5
   int max_sweeps = sbdf_max_sweeps;        ///< 1 .. sbdf_max_sweeps; steps are shortened to need no more
   double initial_step = 0.0;               ///< 0: automatic
+  int wavefront_depth = 0;                 ///< sweeps per pass over memory; 0: as many as the cache holds
 };
 
 /// The relative tolerance of a step in a run with this one.
@@ -99,6 +102,10 @@ class Sbdf final : public Method {
   void ensure_slope(double t, Field& u);
   void update_tolerances(std::span<const double> extremes);
   double norm(const ReproducibleSum& sum) const;
+  /// Makes the new state and adds up its errors.
+  void step_to(const Step& step, double t_new, Field& u_new);
+  void add_errors(const Step& step, const Field& u_new, const ConstRows& predictor, const FreeBox& box);
+  std::span<const double> shifts_of(const Step& step) const;
   void sweep(const Step& step, double t_new, const Field& v, Field& out, double shift);
   void iterate_line(const Step& step, double t_new, const Field& v, Field& out, double c);
   Field& ring(std::size_t i) { return history_[(newest_ + i) % history_.size()]; }
@@ -132,6 +139,9 @@ class Sbdf final : public Method {
   Field right_side_;
   Field work_;
 
+  std::optional<SbdfWavefront> wavefront_;  ///< where the box is served by one
+  std::vector<Pack> step_extremes_;         ///< of the state being made, by lanes
+  bool is_negative_ = false;                ///< the state being made, somewhere
   Agreement agreement_;
   std::array<const Field*, bdf_max_points> pointers_{};
   double attempted_dt_ = 0.0;

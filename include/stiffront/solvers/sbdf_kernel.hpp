@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <algorithm>
+#include <cstdint>
 #include <type_traits>
 #include <utility>
 
 #include "stiffront/core/sparse_dual.hpp"
 #include "stiffront/mesh/boundary.hpp"
-#include "stiffront/mesh/field.hpp"
+#include "stiffront/mesh/rows.hpp"
 #include "stiffront/model/model.hpp"
 #include "stiffront/solvers/sparse_cell_solve.hpp"
 #include "stiffront/space/diffusion_operator.hpp"
@@ -22,16 +23,18 @@ struct SbdfSweep {
   double t = 0.0;
   double gamma = 0.0;
   double shift = 0.0;        ///< g
-  const Field* v = nullptr;  ///< halo up to date
-  const Field* r = nullptr;
-  Field* out = nullptr;  ///< distinct from v
+  const Decomposition* decomposition = nullptr;
+  ConstRows v;  ///< halo up to date
+  ConstRows r;
+  Rows out;  ///< distinct from v
 };
 
 /// The sweeps of one model's equations.
 class SbdfKernel {
  public:
   virtual ~SbdfKernel() = default;
-  /// Makes a sweep at the points of the box; other points of `out` are left alone. No communication.
+  /// Makes a sweep at the points of the box; other points of `out` are left alone. No communication. Rows beyond the
+  /// ends of a periodic direction are those at its other end.
   virtual void sweep(const DiffusionOperator& diffusion, const SbdfSweep& sweep, const FreeBox& box) const = 0;
 };
 
@@ -52,7 +55,7 @@ class SbdfKernelOf final : public SbdfKernel {
     const double* v[m];
     const double* r[m];
     double* out[m];
-    std::ptrdiff_t stride;  ///< from row to row of v
+    std::ptrdiff_t below, above, far_below, far_above;  ///< from the row to rows -1, 1, -2, 2 of v
     double first;           ///< global index of the point
     Pack lane;              ///< offsets of the cells of a pack from its first
     double y;
@@ -60,19 +63,23 @@ class SbdfKernelOf final : public SbdfKernel {
 
   template <int Order, int Dimension>
   void rows(const DiffusionOperator& diffusion, const SbdfSweep& sweep, const FreeBox& box) const {
-    const Decomposition& d = sweep.v->decomposition();
+    const Decomposition& d = *sweep.decomposition;
+    const std::int64_t n_rows = d.grid().points[1];
     const int n = box.i_end - box.i_begin;
     for (int j = box.j_begin; j < box.j_end && n > 0; ++j) {
       Row row;
       for (int s = 0; s < m; ++s) {
-        row.v[s] = sweep.v->row(s, j) + box.i_begin;
-        row.r[s] = sweep.r->row(s, j) + box.i_begin;
-        row.out[s] = sweep.out->row(s, j) + box.i_begin;
+        row.v[s] = sweep.v.row(s, j) + box.i_begin;
+        row.r[s] = sweep.r.row(s, j) + box.i_begin;
+        row.out[s] = sweep.out.row(s, j) + box.i_begin;
       }
-      row.stride = sweep.v->row_stride();
+      row.below = sweep.v.distance(j, -1);
+      row.above = sweep.v.distance(j, 1);
+      row.far_below = sweep.v.distance(j, -2);
+      row.far_above = sweep.v.distance(j, 2);
       row.first = static_cast<double>(d.offset_x() + box.i_begin);
       for (int l = 0; l < pack_size; ++l) row.lane.set(l, std::min(l, n - 1));
-      row.y = Dimension == 2 ? d.grid().position(1, d.offset_y() + j) : 0.0;
+      row.y = Dimension == 2 ? d.grid().position(1, (d.offset_y() + j + n_rows) % n_rows) : 0.0;
       if (n >= pack_size) {
         cells<Order, Dimension>(diffusion, sweep, row, n);
       } else {
@@ -94,8 +101,9 @@ class SbdfKernelOf final : public SbdfKernel {
     double* target[m];
     for (int s = 0; s < m; ++s) {
       const int last = diffusion.coefficient(s) > 0.0 ? n - 1 + w : n - 1;
+      const std::ptrdiff_t to_row[] = {row.far_below, row.below, 0, row.above, row.far_above};
       for (int j = -w_y; j <= w_y; ++j) {
-        for (int i = -w; i < pack_size + w; ++i) v[s][j + w_y][i + w] = row.v[s][j * row.stride + std::min(i, last)];
+        for (int i = -w; i < pack_size + w; ++i) v[s][j + w_y][i + w] = row.v[s][to_row[j + 2] + std::min(i, last)];
       }
       for (int i = 0; i < pack_size; ++i) r[s][i] = row.r[s][std::min(i, n - 1)];
     }
@@ -105,7 +113,10 @@ class SbdfKernelOf final : public SbdfKernel {
       row.r[s] = r[s];
       row.out[s] = out[s];
     }
-    row.stride = length;
+    row.below = -length;
+    row.above = length;
+    row.far_below = -2 * length;
+    row.far_above = 2 * length;
     cells<Order, Dimension>(diffusion, sweep, row, pack_size);
     for (int s = 0; s < m; ++s) std::copy_n(out[s], n, target[s]);
   }
@@ -137,13 +148,16 @@ class SbdfKernelOf final : public SbdfKernel {
     const Pack gamma(sweep.gamma);
     const Pack minus_gamma(-sweep.gamma);
     const Pack time(sweep.t);
-    const Grid& grid = sweep.v->decomposition().grid();
+    const Grid& grid = sweep.decomposition->grid();
     const Pack lower(grid.lower[0]);
     const Pack spacing(grid.spacing(0));
     const Pack y(row.y);
     const Pack lane = row.lane;
     const double first = row.first;
-    const std::ptrdiff_t stride = row.stride;
+    const std::ptrdiff_t below = row.below;
+    const std::ptrdiff_t above = row.above;
+    const std::ptrdiff_t far_below = row.far_below;
+    const std::ptrdiff_t far_above = row.far_above;
     const Pack anisotropy(diffusion.anisotropy());
     double k[m];
     double diagonal[m];
@@ -168,7 +182,16 @@ class SbdfKernelOf final : public SbdfKernel {
         Pack difference = second_difference<Order>(v[s] + i, 1, centre[s]);
         // With equal spacings the factor is 1 and x and y enter alike: symmetric data stay symmetric.
         if constexpr (Dimension == 2) {
-          difference = mul_add(anisotropy, second_difference<Order>(v[s] + i, stride, centre[s]), difference);
+          const double* const at = v[s] + i;
+          Pack far_before = centre[s];
+          Pack far_after = centre[s];
+          if constexpr (Order == 4) {
+            far_before = Pack::load(at + far_below);
+            far_after = Pack::load(at + far_above);
+          }
+          const Pack along_y =
+              second_difference<Order>(centre[s], Pack::load(at + below), Pack::load(at + above), far_before, far_after);
+          difference = mul_add(anisotropy, along_y, difference);
         }
         const Pack change = mul_add(Pack(k[s]), difference, reaction.rate(s));
         b[s] = mul_add(gamma, change, Pack::load(r[s] + i) - centre[s]);

@@ -37,9 +37,9 @@ class SbdfLineOf final : public SbdfLine {
     sides(diffusion, sweep, c, box);
     solver_.factor_and_solve();
     for (int s = 0; s < m; ++s) {
-      const double* v = sweep.v->row(s, 0);
+      const double* v = sweep.v.row(s, 0);
       const double* delta = solver_.right_side(s);
-      double* out = sweep.out->row(s, 0);
+      double* out = sweep.out.row(s, 0);
       for_each_pack(box.i_begin, box.i_end,
                     [&](int i, int n) { (Pack::load(v + i) + Pack::load(delta + i)).store_partial(out + i, n); });
     }
@@ -51,20 +51,20 @@ class SbdfLineOf final : public SbdfLine {
   /// Diagonal blocks and right sides.
   template <int Order>
   void equations(const DiffusionOperator& diffusion, const SbdfSweep& sweep, double c, const FreeBox& box) {
-    const Decomposition& d = sweep.v->decomposition();
+    const Decomposition& d = *sweep.decomposition;
     const Pack gamma(sweep.gamma);
     for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
       Pack v[m];
       Pack rate[m];
       Pack jacobian[m][m];
-      for (int s = 0; s < m; ++s) v[s] = Pack::load_partial(sweep.v->row(s, 0) + i, n);
+      for (int s = 0; s < m; ++s) v[s] = Pack::load_partial(sweep.v.row(s, 0) + i, n);
       rates_and_jacobian(model_, v, rate, jacobian, place_of_pack(d, sweep.t, i, 0, n));
       // Whole packs: the solver's arrays go on beyond the last point, and so do the fields.
       for (int s = 0; s < m; ++s) {
         const double k = diffusion.k_x(s);
-        const double* row = sweep.v->row(s, 0) + i;
+        const double* row = sweep.v.row(s, 0) + i;
         const Pack change = mul_add(Pack(k), second_difference<Order>(row, 1, v[s]), rate[s]);
-        mul_add(gamma, change, Pack::load(sweep.r->row(s, 0) + i) - v[s]).store(solver_.right_side(s) + i);
+        mul_add(gamma, change, Pack::load(sweep.r.row(s, 0) + i) - v[s]).store(solver_.right_side(s) + i);
         const Pack one(1.0 + 2.0 * (sweep.gamma * c) * k);
         for (int q = 0; q < m; ++q) {
           neg_mul_add(gamma, jacobian[s][q], s == q ? one : Pack(0.0)).store(solver_.diagonal(s, q) + i);
@@ -75,7 +75,7 @@ class SbdfLineOf final : public SbdfLine {
 
   /// Off-diagonal blocks, and the points that do not evolve.
   void sides(const DiffusionOperator& diffusion, const SbdfSweep& sweep, double c, const FreeBox& box) {
-    const Decomposition& d = sweep.v->decomposition();
+    const Decomposition& d = *sweep.decomposition;
     const int last = d.n_x() - 1;
     for (int s = 0; s < m; ++s) {
       const double coupling = -(sweep.gamma * c) * diffusion.k_x(s);

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <vector>
+
+#include "stiffront/mesh/rows.hpp"
+
+namespace stiffront {
+
+/// A moving window of rows of all species, laid out so that the window stays in cache while it moves over a field.
+class RowRing {
+ public:
+  /// @param shape a field with the length and halo of the rows
+  /// @param n_rows least number of rows alive at a time
+  RowRing(const Field& shape, int n_rows);
+
+  /// Rows of the window; any index, the rows alive being those of the last n_rows written.
+  Rows rows() { return rows_; }
+  ConstRows rows() const { return rows_; }
+
+ private:
+  std::vector<double> storage_;
+  Rows rows_;
+};
+
+}  // namespace stiffront
