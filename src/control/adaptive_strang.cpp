@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "stiffront/control/absent_species.hpp"
 #include "stiffront/control/fixed_step.hpp"
 
 namespace stiffront {
@@ -39,6 +40,12 @@ AdaptiveStrang::AdaptiveStrang(const Field& shape, const Boundary& boundary, con
 }
 
 double AdaptiveStrang::first_step(double t, double t_end, Field& u) {
+  const double first = trial_step(t, t_end, u);
+  norm_.set_floors(floors_of_absent_species(flows_, t, t_end, first, u, *comm_, work_ahead_));
+  return first;
+}
+
+double AdaptiveStrang::trial_step(double t, double t_end, const Field& u) const {
   if (options_.initial_step > 0.0) return std::min(options_.initial_step, t_end - t);
   // The fastest time scale of the reaction: too small rather than too large, and growth makes up for it in a few steps.
   const double fastest = comm_->max(model_->jacobian_bound(t, u, free_));
@@ -109,6 +116,7 @@ void AdaptiveStrang::update_critical_step(double dt, double error_whole, double 
 
 Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
   Attempt a;
+  a.work = std::exchange(work_ahead_, Work{});
   const bool due = (accepted_ % options_.period == 0 && estimated_at_ != accepted_) || (refused_dt_ > 0.0 && dt >= 2.0 * refused_dt_);
   const bool estimates = options_.critical_step && (estimate_asked_ || due);
   Agreement& agreement = agreement_;
@@ -179,6 +187,7 @@ void AdaptiveStrang::restart(double) {
 
 void AdaptiveStrang::visit_state(StateVisitor& visitor) {
   visit_flows(visitor, *reaction_, *flows_.diffusion);
+  visitor.numbers("scale_floors", norm_.floors());
   visitor.number("epsilon", epsilon_);
   visitor.number("critical_dt", critical_dt_);
   visitor.number("c0", c0_);

@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "stiffront/control/absent_species.hpp"
 #include "stiffront/control/fixed_step.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/mesh/field_algebra.hpp"
@@ -57,9 +58,11 @@ DeferredCorrection::DeferredCorrection(const Field& shape, CoupledRhs& rhs, Reac
 double DeferredCorrection::first_step(double t, double t_end, Field& u) {
   rate_ = std::max(comm_->max(rhs_->reaction().jacobian_bound(t, u, free_)), rhs_->diffusion().spectral_radius());
   if (options_.fixed_step > 0.0) return options_.fixed_step;
-  if (options_.initial_step > 0.0) return std::min(options_.initial_step, t_end - t);
   const double tenth = 0.1 * (t_end - t);
-  return rate_ * tenth > 1.0 ? 1.0 / rate_ : tenth;
+  double first = rate_ * tenth > 1.0 ? 1.0 / rate_ : tenth;
+  if (options_.initial_step > 0.0) first = std::min(options_.initial_step, t_end - t);
+  norm_.set_floors(floors_of_absent_species(flows_, t, t_end, first, u, *comm_, work_ahead_));
+  return first;
 }
 
 void DeferredCorrection::split(double t, double dt, Field& from, Field& to, Attempt& a) {
@@ -207,6 +210,7 @@ double DeferredCorrection::proposed_step(int k, double dt, double error, double 
 
 Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
   Attempt a;
+  a.work = std::exchange(work_ahead_, Work{});
   const double eta = options_.tolerance;
   const int k_max = allowed_iterations(dt);
   error_estimates_.clear();
@@ -304,6 +308,7 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
 
 void DeferredCorrection::visit_state(StateVisitor& visitor) {
   visit_flows(visitor, *reaction_, *flows_.diffusion);
+  visitor.numbers("scale_floors", norm_.floors());
   visitor.number("rate", rate_);
   visitor.integer("hold", hold_);
 }

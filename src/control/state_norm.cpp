@@ -56,7 +56,9 @@ double StateNorm::value(int slot, const Agreement& agreement) const {
   double norm = 0.0;
   for (std::size_t k = 0; k < species_.size(); ++k) {
     const double sum = agreement.sums[static_cast<std::size_t>(slot) * species_.size() + k].value();
-    const double scale = agreement.maxima[k] > 0.0 ? agreement.maxima[k] : 1.0;
+    const double floor = floors_.empty() ? 0.0 : floors_[static_cast<std::size_t>(species_[k])];
+    const double largest = std::max(agreement.maxima[k], floor);
+    const double scale = largest > 0.0 ? largest : 1.0;
     const double rms = std::sqrt(sum / points_) / scale;
     if (!(rms < std::numeric_limits<double>::infinity())) return std::numeric_limits<double>::quiet_NaN();
     norm = std::max(norm, rms);

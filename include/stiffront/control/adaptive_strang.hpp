@@ -56,6 +56,7 @@ class AdaptiveStrang final : public Method {
   double c_epsilon() const { return c_epsilon_; }
 
  private:
+  double trial_step(double t, double t_end, const Field& u) const;
   enum Slot { embedded, half, whole };  // norms of an attempt: |v - w|, E2, E1
 
   void estimate_strang_error(double t, double dt, Field& u, Attempt& a, Agreement& agreement);
@@ -75,6 +76,7 @@ class AdaptiveStrang final : public Method {
   Field embedded_;                      // w
   std::optional<Field> two_steps_;      // B: only if the critical step is controlled
 
+  Work work_ahead_;                     // of first_step, counted with the attempt that follows
   double epsilon_;
   double critical_dt_ = std::numeric_limits<double>::infinity();
   double c0_ = 0.0;

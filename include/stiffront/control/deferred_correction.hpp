@@ -93,6 +93,7 @@ class DeferredCorrection final : public Method {
   std::vector<Field> f_;       // right-hand sides at the stages
   std::vector<Field> s_;       // s_[i]: splitting result from stage i - 1 to stage i
   std::optional<Field> predicted_;  // last stage of the prediction, for the estimate
+  Work work_ahead_;            // of first_step, counted with the attempt that follows
   double rate_ = 0.0;          // bound on |lambda| of diffusion and reaction, renewed with every accepted step
   int hold_ = 0;               // accepted steps in which the number of iterations is not raised
   std::vector<double> error_estimates_;

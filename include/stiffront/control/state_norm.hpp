@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "stiffront/core/mpi.hpp"
@@ -10,7 +11,7 @@
 namespace stiffront {
 
 /// The norm of the splitting methods: for each controlled species the root mean square of a difference over the evolving points,
-/// divided by the largest modulus of the species; the largest over the controlled species.
+/// divided by the largest modulus of the species or its floor if that is larger; the largest over the controlled species.
 ///
 /// Contributions of all ranks travel in one agreement, several norms at a time: a norm takes one slot, n_species sums each; the
 /// scales take n_species maxima.
@@ -20,6 +21,9 @@ class StateNorm {
   StateNorm(const Decomposition& decomposition, const Boundary& boundary, int n_species, std::vector<int> species);
 
   int n_controlled() const { return static_cast<int>(species_.size()); }
+  /// Least scale of every species, one entry each; empty: none. See floors_of_absent_species.
+  void set_floors(std::vector<double> floors) { floors_ = std::move(floors); }
+  std::vector<double>& floors() { return floors_; }
   /// An agreement with room for the given number of norms.
   Agreement agreement(int norms) const { return Agreement(norms * n_controlled(), n_controlled()); }
   /// The same in place, so that an agreement can be used again.
@@ -38,6 +42,7 @@ class StateNorm {
   FreeBox free_;
   double points_;
   std::vector<int> species_;
+  std::vector<double> floors_;
 };
 
 /// step_flags of a state: not_finite, negative. @cost one pass.
