@@ -446,6 +446,7 @@ class Completion {
     if (o.starting_order && *o.starting_order > std::max(1, o.node_count - 1)) {
       expected("method.starting_order", fmt::format("an integer below node_count = {}", o.node_count));
     }
+    if (o.gamma_advection != 0.0) fail("method.gamma_advection", "expected 0: no model has first derivatives");
     complete_sdc(o, c_.space.order);
     if (o.final_update == SdcFinalUpdate::last_node && o.nodes == NodeFamily::gauss_legendre) {
       expected("method.final_update", "\"auto\", \"quadrature\" or \"extrapolation\" with Legendre nodes, whose last one is not the end of the step");

@@ -47,7 +47,7 @@ void add_run(CLI::App& app, Arguments& arguments) {
       *app.add_subcommand("run", "Solve a case. mpirun -n N stiffront run ... solves it on N processes.");
   add_case(command, arguments);
   add_output_directory(command, arguments);
-  command.add_option("--restart", arguments.run.restart, "continue from the latest checkpoint (from the beginning if there are no results yet), or from that in DIR")
+  command.add_option("--restart", arguments.run.restart, "continue from the latest checkpoint, or from that in DIR")
       ->type_name("latest|DIR");
   command.add_option("--progress", arguments.run.progress, "auto: on a terminal")
       ->check(CLI::IsMember({"auto", "always", "never"}))

@@ -321,7 +321,7 @@ std::vector<Key> sdc_keys() {
                           "factor on the three-point Laplacian of the implicit part"),
                    "1 for space.order = 2, otherwise 2"),
       number("method.gamma_advection", not_negative, STIFFRONT_METHOD(Options, gamma_advection),
-             "factor on the first derivatives of the implicit part, for models that have any"),
+             "factor on the first derivatives of the implicit part; 0 as long as no model has any"),
       choice("method.splitting", STIFFRONT_METHOD(Options, splitting),
              "\"preconditioned\": diffusion and the Jacobian of the reaction are implicit; \"imex\": one of them"),
       choice("method.implicit", STIFFRONT_METHOD(Options, implicit), "with splitting = \"imex\": which one"),

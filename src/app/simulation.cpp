@@ -291,19 +291,13 @@ void print_closing(const Summary& s, const std::string& directory) {
   std::fflush(stdout);
 }
 
-/// The first of several jobs that all say "--restart latest": nothing is there yet to be continued.
-bool begins_a_series(const Case& c, const Communicator& comm, const RunOptions& options) {
-  if (options.restart != "latest") return false;
-  return comm.broadcast(comm.is_root() && results_in(c.output.directory).empty() ? "begins" : "", 0) == "begins";
-}
-
 }  // namespace
 
 void simulate(const Case& c, const ModelRegistry& models, const Communicator& comm, const RunOptions& options) {
   Watchdog watchdog(comm.rank(), c.limits.stall_limit_s);
   Problem problem(c, models, comm);
   MethodStack stack(c, problem);
-  const bool restarts = !options.restart.empty() && !begins_a_series(c, comm, options);
+  const bool restarts = !options.restart.empty();
   const OutputDirectory directory(comm, c.output.directory,
                                   restarts        ? ExistingResults::keep
                                   : options.force ? ExistingResults::replace
@@ -319,7 +313,6 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
     memory.read(options.restart, speaks);
     output.resume(progress.accepted);
   } else {
-    if (speaks && !options.restart.empty()) fmt::print("{}: nothing to continue yet: from the beginning\n", c.output.directory);
     output.begin(progress.t, problem.state);
   }
   ProgressLine progress_line(speaks, options.progress, stdout, c.time.start, c.time.end);

@@ -56,9 +56,9 @@ class AdaptiveStrang final : public Method {
   double c_epsilon() const { return c_epsilon_; }
 
  private:
-  double trial_step(double t, double t_end, const Field& u) const;
   enum Slot { embedded, half, whole };  // norms of an attempt: |v - w|, E2, E1
 
+  double trial_step(double t, double t_end, const Field& u) const;
   void estimate_strang_error(double t, double dt, Field& u, Attempt& a, Agreement& agreement);
   void strang_and_embedded(double t, double dt, Field& u, Field& v, Attempt& a);
   void update_critical_step(double dt, double error_whole, double error_half, double& error);

@@ -37,8 +37,8 @@ struct BdfTolerances {
 bool bdf_add_difference(const Field& v, const ConstRows& reference, const BdfTolerances& tolerances, const FreeBox& box,
                         ReproducibleSum& sum);
 
-/// What a test of the neighbouring orders needs: sums as above of the differences of v to the predictor in use and to
-/// those through one point less and one more.
+/// What a test of other orders needs: sums as above of the differences of v to the predictor in use and to those of a
+/// lower and a higher order.
 struct BdfOrderSums {
   ReproducibleSum& lower;
   ReproducibleSum& same;
