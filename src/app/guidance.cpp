@@ -6,14 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <map>
-
-// g++ 12 warns inside Eigen's AVX-512 code; the matrices here are tiny.
-#ifndef EIGEN_DONT_VECTORIZE
-#define EIGEN_DONT_VECTORIZE
-#endif
-#include <Eigen/Eigenvalues>
+#include <span>
 
 #include "stiffront/app/method_stack.hpp"
 #include "stiffront/app/methods.hpp"
@@ -21,6 +17,7 @@
 #include "stiffront/core/error.hpp"
 #include "stiffront/core/timer.hpp"
 #include "stiffront/model/expression.hpp"
+#include "stiffront/model/reaction_modes.hpp"
 
 namespace stiffront::app {
 namespace {
@@ -66,44 +63,32 @@ Stiffness stiffness_of(const Case& c, const Problem& problem) {
   Stiffness result;
   result.diffusion = problem.diffusion.spectral_radius();
   const Field& u = problem.state;
-  const int m = u.n_species();
-  const std::int64_t stride = (problem.grid.total_points() + most_cells_looked_at - 1) / most_cells_looked_at;
-  std::vector<double> cell(static_cast<std::size_t>(m));
-  std::vector<double> rates(static_cast<std::size_t>(m));
-  std::vector<double> entries(static_cast<std::size_t>(m * m));
-  Eigen::MatrixXd jacobian(m, m);
-  Eigen::EigenSolver<Eigen::MatrixXd> solver(m);
-  for (int j = 0; j < u.n_y(); ++j) {
-    for (int i = 0; i < u.n_x(); ++i) {
-      if ((i + 31 * j) % stride != 0) continue;
-      for (int s = 0; s < m; ++s) cell[static_cast<std::size_t>(s)] = u.at(s, i, j);
-      const double x = problem.grid.position(0, i);
-      const double y = problem.grid.dimension == 2 ? problem.grid.position(1, j) : 0.0;
-      problem.model->jacobian_at(c.time.start, x, y, cell.data(), entries.data());
-      problem.model->rates_at(c.time.start, x, y, cell.data(), rates.data());
-      const auto is_finite = [](double v) { return std::isfinite(v); };
-      if (!std::all_of(entries.begin(), entries.end(), is_finite) || !std::all_of(rates.begin(), rates.end(), is_finite)) {
-        result.finite = false;
+  const auto m = static_cast<std::size_t>(u.n_species());
+  std::vector<double> cell(m);
+  std::vector<double> rates(m);
+  look_at_reaction_modes(*problem.model, c.time.start, u, {0, u.n_x(), 0, u.n_y()}, most_cells_looked_at,
+                         [&](int i, int j, std::span<const std::complex<double>> modes) {
+    const double x = problem.grid.position(0, i);
+    const double y = problem.grid.dimension == 2 ? problem.grid.position(1, j) : 0.0;
+    for (std::size_t s = 0; s < m; ++s) cell[s] = u.at(static_cast<int>(s), i, j);
+    problem.model->rates_at(c.time.start, x, y, cell.data(), rates.data());
+    if (modes.empty() || !std::all_of(rates.begin(), rates.end(), [](double v) { return std::isfinite(v); })) {
+      result.finite = false;
+      result.at_x = x;
+      result.at_y = y;
+      return false;
+    }
+    for (const std::complex<double>& lambda : modes) {
+      if (std::abs(lambda) > result.reaction) {
+        result.reaction = std::abs(lambda);
         result.at_x = x;
         result.at_y = y;
-        return result;
       }
-      for (int r = 0; r < m; ++r) {
-        for (int q = 0; q < m; ++q) jacobian(r, q) = entries[static_cast<std::size_t>(r * m + q)];
-      }
-      solver.compute(jacobian, false);
-      if (solver.info() != Eigen::Success) continue;
-      for (const std::complex<double>& lambda : solver.eigenvalues()) {
-        if (std::abs(lambda) > result.reaction) {
-          result.reaction = std::abs(lambda);
-          result.at_x = x;
-          result.at_y = y;
-        }
-        result.growth = std::max(result.growth, lambda.real());
-        if (lambda.real() < 0.0) result.oscillation = std::max(result.oscillation, lambda.imag());
-      }
+      result.growth = std::max(result.growth, lambda.real());
+      if (lambda.real() < 0.0) result.oscillation = std::max(result.oscillation, lambda.imag());
     }
-  }
+    return true;
+  });
   return result;
 }
 

@@ -135,10 +135,8 @@ Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std
   comm_->agree(agreement);
   flags = agreement.flags;
   double error = norm_.value(embedded, agreement);
-  const char* refused = refusal(flags);
-  if (refused != nullptr || !std::isfinite(error)) {
-    a.reason = refused != nullptr ? refused : "the error estimate is not finite";
-    if (!a.failure) a.failure = find_refused_value(flags, u, u_new, free_, t, dt);
+  if (refuses(a, flags, u, u_new, free_, t, dt) || !std::isfinite(error)) {
+    if (a.reason.empty()) a.reason = "the error estimate is not finite";
     a.error = error;
     a.dt_next = 0.5 * dt;
     a.epsilon = epsilon_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "stiffront/control/lagrange.hpp"
 #include "stiffront/core/error.hpp"
 
 namespace stiffront {
@@ -98,17 +99,6 @@ std::vector<Real> nodes(NodeFamily family, int m) {
   return all;
 }
 
-/// Values at x of the Lagrange polynomials of the nodes.
-std::vector<Real> lagrange(const std::vector<Real>& c, Real x) {
-  std::vector<Real> l(c.size(), 1);
-  for (std::size_t a = 0; a < c.size(); ++a) {
-    for (std::size_t b = 0; b < c.size(); ++b) {
-      if (b != a) l[a] *= (x - c[b]) / (c[a] - c[b]);
-    }
-  }
-  return l;
-}
-
 /// Integral over [0, upper] of each Lagrange polynomial, by Gauss-Legendre quadrature that is exact for their degree.
 std::vector<Real> integrate(const std::vector<Real>& c, Real upper) {
   const int points = static_cast<int>(c.size()) / 2 + 1;
@@ -139,7 +129,7 @@ CollocationNodes collocation_nodes(NodeFamily family, int m) {
   n.c = rounded(c);
   for (Real x : c) n.s.push_back(rounded(integrate(c, x)));
   n.w = rounded(integrate(c, 1));
-  n.end = rounded(lagrange(c, 1));
+  n.end = rounded(lagrange(c, Real{1}));
   n.quadrature_order = family == NodeFamily::gauss_legendre ? 2 * m : (family == NodeFamily::gauss_radau ? 2 * m - 1 : 2 * m - 2);
   return n;
 }

@@ -147,15 +147,10 @@ Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, s
   if (a.failure) agreement.flags |= step_flags::cell_failed;
   comm_->agree(agreement);
   flags = agreement.flags;
-  const char* refused = refusal(flags);
-  a.accepted = refused == nullptr;
+  a.accepted = !refuses(a, flags, u, u_new, free_, t, dt);
   a.dt_next = a.accepted ? options_.fixed_step : 0.5 * dt;
-  if (refused != nullptr) {
-    const double rate = std::max(agreement.maxima[0], diffusion_rate);
-    if (rate * dt > stability_limit(options_.iterations)) refuse_step(t, dt, rate);
-    a.reason = refused;
-    if (!a.failure) a.failure = find_refused_value(flags, u, u_new, free_, t, dt);
-  }
+  const double rate = std::max(agreement.maxima[0], diffusion_rate);
+  if (!a.accepted && rate * dt > stability_limit(options_.iterations)) refuse_step(t, dt, rate);
   return a;
 }
 
@@ -237,10 +232,9 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
     const double residual = norm_.value(0, agreement);   // e_k
     const double distance = norm_.value(1, agreement);   // |ubar^k - v_s^0|
     // An iterate may be negative where the result is not: it is the result that counts.
-    const char* refused = refusal(flags & ~step_flags::refuse_negative);
-    if (refused != nullptr || !std::isfinite(residual) || !std::isfinite(distance)) {
-      a.reason = refused != nullptr ? refused : "the iterates are not finite";
-      if (!a.failure) a.failure = find_refused_value(flags, u, v_.back(), free_, t, dt);
+    if (refuses(a, flags & ~step_flags::refuse_negative, u, v_.back(), free_, t, dt) || !std::isfinite(residual) ||
+        !std::isfinite(distance)) {
+      if (a.reason.empty()) a.reason = "the iterates are not finite";
       dt_new = 0.5 * dt;
       break;
     }
@@ -269,13 +263,8 @@ Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new
 
     // Without a correction nothing is known of the next one, and the step would stay that of the splitting alone.
     if (error <= eta && k >= 1) {
-      const char* negative = refusal(flags);
-      a.accepted = negative == nullptr;
-      if (negative != nullptr) {
-        a.reason = negative;
-        a.failure = find_refused_value(flags, u, v_.back(), free_, t, dt);
-        dt_new = 0.5 * dt;
-      }
+      a.accepted = !refuses(a, flags, u, v_.back(), free_, t, dt);
+      if (!a.accepted) dt_new = 0.5 * dt;
       break;
     }
     if (k >= k_max) {

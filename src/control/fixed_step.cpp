@@ -26,13 +26,8 @@ Attempt FixedStep::attempt(double t, double dt, Field& u, Field& u_new, std::uin
   if (a.failure) agreement.flags |= step_flags::cell_failed;
   comm_->agree(agreement);
   flags = agreement.flags;
-  const char* refused = refusal(flags);
-  a.accepted = refused == nullptr;
+  a.accepted = !refuses(a, flags, u, u_new, free_, t, dt);
   a.dt_next = a.accepted ? step_ : 0.5 * dt;
-  if (refused != nullptr) {
-    a.reason = refused;
-    if (!a.failure) a.failure = find_refused_value(flags, u, u_new, free_, t, dt);
-  }
   return a;
 }
 

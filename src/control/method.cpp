@@ -43,4 +43,12 @@ std::optional<CellFailure> find_refused_value(std::uint64_t flags, const Field& 
   return std::nullopt;
 }
 
+bool refuses(Attempt& a, std::uint64_t flags, const Field& before, const Field& after, const FreeBox& box, double t, double dt) {
+  const char* why = refusal(flags);
+  if (why == nullptr) return false;
+  a.reason = why;
+  if (!a.failure) a.failure = find_refused_value(flags, before, after, box, t, dt);
+  return true;
+}
+
 }  // namespace stiffront

@@ -391,19 +391,17 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   flags = agreement_.flags;
 
   if (!std::isfinite(errors.same)) flags |= step_flags::not_finite;
-  const char* refused = refusal(flags);
+  const bool refused = refuses(attempt, flags, u, u_new, free_, t, dt);
   attempt.error = errors.same;
-  attempt.accepted = errors.same <= control_.largest_error() && refused == nullptr;
+  attempt.accepted = errors.same <= control_.largest_error() && !refused;
   attempted_dt_ = dt;
   if (!attempt.accepted) {
     attempt.dt_next = control_.rejected(dt, errors.same);
     attempt.dt_next = std::min(attempt.dt_next, cap_step(control_.order(), attempt.dt_next));
-    if (refused == nullptr) {
-      attempt.reason = fmt::format("the error estimate at order {} is {:.3g} times the tolerance", step.order, errors.same);
-    } else {
+    if (refused) {
       attempt.dt_next = std::min(attempt.dt_next, 0.5 * dt);
-      attempt.reason = refused;
-      attempt.failure = find_refused_value(flags, u, u_new, free_, t, dt);
+    } else {
+      attempt.reason = fmt::format("the error estimate at order {} is {:.3g} times the tolerance", step.order, errors.same);
     }
     return attempt;
   }

@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "stiffront/control/lagrange.hpp"
 #include "stiffront/control/starting_weights.hpp"
 #include "stiffront/core/error.hpp"
 
@@ -41,19 +42,6 @@ Options checked(Options o) {
   return o;
 }
 
-/// Values at 1 of the Lagrange polynomials on 0 and the nodes.
-std::vector<double> weights_at_end(const std::vector<double>& nodes) {
-  std::vector<double> c{0.0};
-  c.insert(c.end(), nodes.begin(), nodes.end());
-  std::vector<double> w(c.size(), 1.0);
-  for (std::size_t a = 0; a < c.size(); ++a) {
-    for (std::size_t b = 0; b < c.size(); ++b) {
-      if (b != a) w[a] *= (1.0 - c[b]) / (c[a] - c[b]);
-    }
-  }
-  return w;
-}
-
 }  // namespace
 
 SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, ImplicitPart& implicit,
@@ -76,7 +64,9 @@ SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, Right
     if (nodes_.ends_at_one()) {
       options_.final_update = Options::FinalUpdate::last_node;
     } else {
-      end_weights_ = weights_at_end(nodes_.c);
+      std::vector<double> beginning_and_nodes{0.0};
+      beginning_and_nodes.insert(beginning_and_nodes.end(), nodes_.c.begin(), nodes_.c.end());
+      end_weights_ = lagrange(beginning_and_nodes, 1.0);
     }
   }
   for (std::size_t i = 0; i < count(); ++i) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stiffront/control/starting_weights.hpp"
 
+#include "stiffront/control/lagrange.hpp"
+
 namespace stiffront {
 
 StartingWeights starting_weights(double t, std::span<const double> past) {
@@ -9,19 +11,14 @@ StartingWeights starting_weights(double t, std::span<const double> past) {
   std::vector<double> x;
   for (double s : past) x.push_back((s - t) / unit);
   StartingWeights w;
+  w.extrapolation = lagrange(x, 0.0);
   double d0 = 0.0;
-  std::vector<double> d;
-  for (std::size_t j = 0; j < x.size(); ++j) {
-    double e = 1.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      if (i != j) e *= -x[i] / (x[j] - x[i]);
-    }
-    w.extrapolation.push_back(e);
-    d.push_back(e / x[j]);  // the Lagrange polynomial of s_j on all points has this slope at t
-    d0 -= 1.0 / x[j];
-  }
+  for (const double at : x) d0 -= 1.0 / at;
   w.h = unit / d0;
-  for (std::size_t j = 0; j < x.size(); ++j) w.states.push_back(-d[j] / d0 - w.extrapolation[j]);
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    const double d = w.extrapolation[j] / x[j];  // the Lagrange polynomial of s_j on all points has this slope at t
+    w.states.push_back(-d / d0 - w.extrapolation[j]);
+  }
   return w;
 }
 

@@ -2,7 +2,6 @@
 #include "stiffront/mesh/field.hpp"
 
 #include <cstring>
-#include <new>
 
 #include "stiffront/core/simd.hpp"
 
@@ -29,12 +28,8 @@ Field::Field(const Decomposition& decomposition, int n_species, int halo)
   // One more line per species, so that equal offsets in different species do not fall on one cache set.
   species_stride_ = rows * row_stride_ + line;
   origin_ = left + halo_y_ * row_stride_;
-  size_ = static_cast<std::size_t>(n_species_ * species_stride_ + line);
-  size_ = static_cast<std::size_t>(round_up(static_cast<std::ptrdiff_t>(size_)));
-  auto* p = static_cast<double*>(std::aligned_alloc(64, size_ * sizeof(double)));
-  if (p == nullptr) throw std::bad_alloc();
-  std::memset(p, 0, size_ * sizeof(double));
-  data_.reset(p);
+  size_ = static_cast<std::size_t>(round_up(n_species_ * species_stride_ + line));
+  data_ = aligned_zeros(size_);
 }
 
 void Field::copy_interior(const Field& other, int species) {

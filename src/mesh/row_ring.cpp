@@ -2,7 +2,6 @@
 #include "stiffront/mesh/row_ring.hpp"
 
 #include <bit>
-#include <cstdint>
 
 namespace stiffront {
 
@@ -13,10 +12,8 @@ RowRing::RowRing(const Field& shape, int n_rows) {
   const std::ptrdiff_t left = (shape.halo() + line - 1) / line * line;
   // One more line per species, so that equal offsets in different species do not fall on one cache set.
   const std::ptrdiff_t species = n * stride + line;
-  storage_.resize(static_cast<std::size_t>(shape.n_species() * species + 2 * line));
-  const auto address = reinterpret_cast<std::uintptr_t>(storage_.data()) / sizeof(double);
-  const auto shift = static_cast<std::ptrdiff_t>((line - address % line) % line);
-  rows_ = {storage_.data() + shift + left, species, stride, static_cast<int>(n) - 1};
+  storage_ = aligned_zeros(static_cast<std::size_t>(shape.n_species() * species + line));
+  rows_ = {storage_.get() + left, species, stride, static_cast<int>(n) - 1};
 }
 
 }  // namespace stiffront

@@ -297,6 +297,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Rule{{"method={ name = \"cvode\" }", "reaction_solver.positivity=reject-step"},
              "reaction_solver.positivity: \"reject-step\" does not go with method \"cvode\"; use \"report\""},
+        Rule{{"method={ name = \"sdc\", step = 0.1, gamma_advection = 1 }"},
+             "method.gamma_advection: expected 0: no model has first derivatives"},
         Rule{{"method={ name = \"sdc\", step = 0.1 }", "reaction_solver.positivity=reject-step"},
              "reaction_solver.positivity: \"reject-step\" does not go with method \"sdc\"; use \"report\""},
         Rule{{"output.every=0.1", "output.steps=3"}, "output.steps: expected only one of times, every and steps"},

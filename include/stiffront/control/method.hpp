@@ -70,6 +70,10 @@ class StateVisitor {
   }
 };
 
+/// Whether a state with these agreed flags is no result, whatever its error. The attempt then says why, and where this rank has the value
+/// and no cell is to blame yet, which point: see refusal and find_refused_value.
+bool refuses(Attempt& a, std::uint64_t flags, const Field& before, const Field& after, const FreeBox& box, double t, double dt);
+
 /// A way of advancing the whole state one step at a time, with its own step-size control.
 class Method {
  public:

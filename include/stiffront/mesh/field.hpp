@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstddef>
-#include <cstdlib>
-#include <memory>
+#include <utility>
 
+#include "stiffront/core/aligned_array.hpp"
 #include "stiffront/mesh/decomposition.hpp"
 
 namespace stiffront {
@@ -51,10 +51,6 @@ class Field {
   }
 
  private:
-  struct Free {
-    void operator()(double* p) const { std::free(p); }
-  };
-
   const Decomposition* decomposition_;
   int n_species_;
   int halo_;
@@ -65,7 +61,7 @@ class Field {
   std::ptrdiff_t species_stride_;
   std::ptrdiff_t origin_;
   std::size_t size_;
-  std::unique_ptr<double[], Free> data_;
+  AlignedArray data_;
 };
 
 }  // namespace stiffront

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <vector>
-
+#include "stiffront/core/aligned_array.hpp"
 #include "stiffront/mesh/rows.hpp"
 
 namespace stiffront {
@@ -18,7 +17,7 @@ class RowRing {
   ConstRows rows() const { return rows_; }
 
  private:
-  std::vector<double> storage_;
+  AlignedArray storage_;
   Rows rows_;
 };
 

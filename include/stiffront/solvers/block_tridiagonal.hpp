@@ -2,13 +2,11 @@
 #pragma once
 #include <array>
 #include <cstddef>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
-#include <new>
 #include <utility>
 #include <vector>
 
+#include "stiffront/core/aligned_array.hpp"
 #include "stiffront/core/mpi.hpp"
 #include "stiffront/core/simd.hpp"
 #include "stiffront/mesh/decomposition.hpp"
@@ -20,24 +18,17 @@ namespace block_tridiagonal {
 
 /// Zeros on 64-byte lines: `components` arrays of `n` numbers each, readable and writable for a pack before them and
 /// three packs beyond their end.
-class Rows {
+class RowArrays {
  public:
-  Rows() = default;
-  Rows(int components, int n) : stride_((n + pack_size - 1) / pack_size * pack_size + 4 * pack_size) {
-    const std::size_t bytes = static_cast<std::size_t>(components) * static_cast<std::size_t>(stride_) * sizeof(double);
-    const std::size_t rounded = (bytes + 63) / 64 * 64;
-    data_.reset(static_cast<double*>(std::aligned_alloc(64, rounded)));
-    if (!data_) throw std::bad_alloc();
-    std::memset(data_.get(), 0, rounded);
+  RowArrays() = default;
+  RowArrays(int components, int n) : stride_((n + pack_size - 1) / pack_size * pack_size + 4 * pack_size) {
+    data_ = aligned_zeros(static_cast<std::size_t>(components) * static_cast<std::size_t>(stride_));
   }
   double* operator()(int component) const { return data_.get() + component * stride_ + pack_size; }
 
  private:
-  struct Free {
-    void operator()(double* p) const { std::free(p); }
-  };
   std::ptrdiff_t stride_ = 0;
-  std::unique_ptr<double[], Free> data_;
+  AlignedArray data_;
 };
 
 /// p[0], p[2], p[4] ...
@@ -149,14 +140,14 @@ class BlockTridiagonal {
 
  private:
   using Level = block_tridiagonal::Level;
-  using Rows = block_tridiagonal::Rows;
+  using RowArrays = block_tridiagonal::RowArrays;
   static constexpr int mm = m * m;
 
   struct Storage {
-    Rows lower, diagonal, upper;  ///< of all rows; m components at level 0, else m x m
-    Rows right_side;
+    RowArrays lower, diagonal, upper;  ///< of all rows; m components at level 0, else m x m
+    RowArrays right_side;
     // Of the odd rows, with those of the neighbours at either end (slot -1 and the last): diagonal^-1 times the others
-    Rows inverse, by_lower, by_upper, solved;
+    RowArrays inverse, by_lower, by_upper, solved;
   };
 
   template <bool factors, bool solves>
@@ -191,14 +182,14 @@ BlockTridiagonal<m>::BlockTridiagonal(const Decomposition& decomposition, bool p
     const Level& level = plan_.levels[l];
     Storage s;
     const int side = l == 0 ? m : mm;
-    s.lower = Rows(side, level.n());
-    s.upper = Rows(side, level.n());
-    s.diagonal = Rows(mm, level.n());
-    s.right_side = Rows(m, level.n());
-    s.inverse = Rows(mm, level.n_odd);
-    s.by_lower = Rows(mm, level.n_odd);
-    s.by_upper = Rows(mm, level.n_odd);
-    s.solved = Rows(m, level.n_odd);
+    s.lower = RowArrays(side, level.n());
+    s.upper = RowArrays(side, level.n());
+    s.diagonal = RowArrays(mm, level.n());
+    s.right_side = RowArrays(m, level.n());
+    s.inverse = RowArrays(mm, level.n_odd);
+    s.by_lower = RowArrays(mm, level.n_odd);
+    s.by_upper = RowArrays(mm, level.n_odd);
+    s.solved = RowArrays(m, level.n_odd);
     storage_.push_back(std::move(s));
   }
 }
@@ -244,7 +235,7 @@ void BlockTridiagonal<m>::eliminate(std::size_t l) {
         return good;
       };
       if (!invert(CellLu<Pack, m, false>())) invert(CellLu<Pack, m, true>());
-      const auto times = [&](const Rows& side, const Rows& result) {
+      const auto times = [&](const RowArrays& side, const RowArrays& result) {
         for (int q = 0; q < m; ++q) {
           if constexpr (diagonal_sides) {
             const Pack x = load_every_second(side(q) + i);
@@ -355,7 +346,7 @@ void BlockTridiagonal<m>::reduce(std::size_t l) {
       }
     }
     // x - (a or c) times component `of` of the neighbours, entry (r, q) of columns
-    const auto subtract = [&](Pack x, const Pack (&side)[m][m], const Rows& of, int r, int columns, int q, int slot) {
+    const auto subtract = [&](Pack x, const Pack (&side)[m][m], const RowArrays& of, int r, int columns, int q, int slot) {
       if constexpr (diagonal_sides) return neg_mul_add(side[r][0], Pack::load(of(r * columns + q) + slot), x);
       for (int p = 0; p < m; ++p) x = neg_mul_add(side[r][p], Pack::load(of(p * columns + q) + slot), x);
       return x;

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "stiffront/model/model.hpp"
-#include "stiffront/solvers/block_tridiagonal.hpp"
+#include "stiffront/solvers/line_coupling.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
 #include "stiffront/space/diffusion_operator.hpp"
 
@@ -34,7 +34,15 @@ class SbdfLineOf final : public SbdfLine {
     diffusion.dispatch([&]<int Order, int Dimension>() {
       if constexpr (Dimension == 1) equations<Order>(diffusion, sweep, c, box);
     });
-    sides(diffusion, sweep, c, box);
+    const Decomposition& d = *sweep.decomposition;
+    double coupling[m];
+    for (int s = 0; s < m; ++s) {
+      coupling[s] = -(sweep.gamma * c) * diffusion.k_x(s);
+      // Points that do not evolve.
+      if (box.i_begin > 0) solver_.right_side(s)[0] = 0.0;
+      if (box.i_end < d.n_x()) solver_.right_side(s)[d.n_x() - 1] = 0.0;
+    }
+    couple_line(solver_, d, box, coupling);
     solver_.factor_and_solve();
     for (int s = 0; s < m; ++s) {
       const double* v = sweep.v.row(s, 0);
@@ -71,27 +79,6 @@ class SbdfLineOf final : public SbdfLine {
         }
       }
     });
-  }
-
-  /// Off-diagonal blocks, and the points that do not evolve.
-  void sides(const DiffusionOperator& diffusion, const SbdfSweep& sweep, double c, const FreeBox& box) {
-    const Decomposition& d = *sweep.decomposition;
-    const int last = d.n_x() - 1;
-    for (int s = 0; s < m; ++s) {
-      const double coupling = -(sweep.gamma * c) * diffusion.k_x(s);
-      double* lower = solver_.lower(s);
-      double* upper = solver_.upper(s);
-      for (int i = 0; i <= last; ++i) lower[i] = upper[i] = coupling;
-      // Mirrored beyond a Neumann side.
-      if (d.at_boundary(0, 0)) upper[0] = 2.0 * coupling, lower[0] = 0.0;
-      if (d.at_boundary(0, 1)) lower[last] = 2.0 * coupling, upper[last] = 0.0;
-      const auto fix = [&](int i) {
-        for (int q = 0; q < m; ++q) solver_.diagonal(s, q)[i] = s == q ? 1.0 : 0.0;
-        lower[i] = upper[i] = solver_.right_side(s)[i] = 0.0;
-      };
-      if (box.i_begin > 0) fix(0);
-      if (box.i_end <= last) fix(last);
-    }
   }
 
   M model_;
