@@ -17,8 +17,8 @@ bool bdf_rings(int order, std::complex<double> step_lambda);
 /// The highest order up to which no decaying reaction mode rings at this step or one and a half times it, at least 2: a
 /// control that is kept at the edge of the range sits just below it.
 ///
-/// Looks at the eigenvalues of the reaction Jacobian in at most some 1000 points of the whole grid, chosen by global
-/// index. This rank's points only; no communication.
+/// Looks at the eigenvalues of the reaction Jacobian in a quarter of the points of the whole grid, at least 128 and at
+/// most some 1000, chosen by global index. This rank's points only; no communication.
 int highest_quiet_order(int max_order, double t, double dt, const Field& u, const ReactionTerm& model,
                         const FreeBox& box);
 
