@@ -101,13 +101,16 @@ class Completion {
     one_for_each_direction("grid.upper", grid.upper, 1.0);
     one_for_each_direction("grid.processes", grid.processes, std::int64_t{0});
     const int order = std::max(space.order, *space.quadrature_order);
+    if (order == 8 && space.order != *space.quadrature_order && c_.boundary.has_dirichlet()) {
+      fail("space.quadrature_order", "order 8 next to a side of given values has a grid of its own; use the same order for both");
+    }
     double cells = 1.0;
     for (std::size_t d = 0; d < grid.points.size(); ++d) {
       cells *= static_cast<double>(grid.points[d]);
-      if (grid.points[d] < fewest_points(order)) {
+      if (grid.points[d] < fewest_points(order, c_.boundary.has_dirichlet())) {
         fail(fmt::format("grid.points[{}]", d),
-             fmt::format("expected at least {} points for differences of order {}, got {}", fewest_points(order), order,
-                         grid.points[d]));
+             fmt::format("expected at least {} points for differences of order {}, got {}", fewest_points(order, c_.boundary.has_dirichlet()),
+                         order, grid.points[d]));
       }
       if (!(grid.upper[d] > grid.lower[d]) || !std::isfinite(grid.upper[d] - grid.lower[d])) {
         fail(tree_.has("grid.upper") ? fmt::format("grid.upper[{}]", d) : fmt::format("grid.lower[{}]", d),
@@ -443,8 +446,9 @@ class Completion {
            fmt::format("{}: method.tolerance for adaptive steps, or method.step for fixed ones",
                        o.step ? "expected only one of" : "missing: one of"));
     }
-    if (o.starting_order && *o.starting_order > std::max(1, o.node_count - 1)) {
-      expected("method.starting_order", fmt::format("an integer below node_count = {}", o.node_count));
+    const bool lobatto = o.nodes == NodeFamily::gauss_lobatto;
+    if (o.starting_order && *o.starting_order > o.node_count - (lobatto ? 1 : 0)) {
+      expected("method.starting_order", fmt::format("an integer {} node_count = {}", lobatto ? "below" : "up to", o.node_count));
     }
     if (o.gamma_advection != 0.0) fail("method.gamma_advection", "expected 0: no model has first derivatives");
     complete_sdc(o, c_.space.order);
@@ -476,7 +480,10 @@ class Completion {
     }
   }
 
-  void method(SbdfOptions& o) const { complete_tolerance(o.absolute_tolerance, o.relative_tolerance); }
+  void method(SbdfOptions& o) const {
+    if (c_.space.order == 8) expected("space.order", "2 or 4 with method \"sbdf\"; order 8 goes with cvode, sdc, dcs and the splittings");
+    complete_tolerance(o.absolute_tolerance, o.relative_tolerance);
+  }
 
   void method(CvodeOptions& o) const {
     complete_tolerance(o.absolute_tolerance, o.relative_tolerance);
@@ -557,6 +564,6 @@ void complete(Case& c, const CaseTree& tree, const std::vector<ModelDescription>
   Completion(c, tree, models).run();
 }
 
-int fewest_points(int order) { return order + 1; }
+int fewest_points(int order, bool dirichlet) { return order == 8 && dirichlet ? 10 : order + 1; }
 
 }  // namespace stiffront::app

@@ -10,7 +10,7 @@ namespace stiffront::app {
 /// @throws Error(input)
 void complete(Case& c, const CaseTree& tree, const std::vector<ModelDescription>& models);
 
-/// Fewest points of a direction whose differences have this order.
-int fewest_points(int order);
+/// Fewest points of a direction whose differences have this order; dirichlet: whether there is a side of given values.
+int fewest_points(int order, bool dirichlet);
 
 }  // namespace stiffront::app

@@ -253,15 +253,6 @@ void question_custom_model(const Case& c, std::vector<std::string>& lines) {
   }
 }
 
-bool has_dirichlet_side(const Case& c) {
-  for (std::size_t d = 0; d < c.grid.points.size(); ++d) {
-    for (const SideOptions& side : c.boundary.sides[d]) {
-      if (side.kind == BoundaryKind::dirichlet) return true;
-    }
-  }
-  return false;
-}
-
 void question_absolute_tolerance(const Case& c, const Problem& problem, double relative, const std::optional<Tolerance>& absolute,
                                  std::vector<std::string>& lines) {
   for (std::size_t s = 0; s < c.model.species.size(); ++s) {
@@ -314,7 +305,7 @@ std::vector<std::string> questionable(const Case& c) {
   if (const auto* o = options_of<DcsOptions>(c); o != nullptr && o->step) {
     lines.emplace_back("warning: dcs with a fixed step controls no error; give method.tolerance, or measure it with stiffront converge");
   }
-  if (splits && has_dirichlet_side(c)) {
+  if (splits && c.boundary.has_dirichlet()) {
     lines.emplace_back("warning: a splitting loses an order next to a side of given values; sbdf, dcs and cvode do not");
   }
   if (const auto* o = options_of<AdaptiveStrangOptions>(c)) {

@@ -14,6 +14,7 @@
 #include "stiffront/io/result_file.hpp"
 #include "stiffront/model/expression.hpp"
 #include "stiffront/model/space_expression.hpp"
+#include "stiffront/space/sub_cell_closure.hpp"
 
 namespace stiffront::app {
 namespace {
@@ -26,12 +27,22 @@ Grid make_grid(const Case& c) {
     g.lower[d] = c.grid.lower[d];
     g.upper[d] = c.grid.upper[d];
     g.periodic[d] = c.boundary.sides[d][0].kind == BoundaryKind::periodic;
+    for (std::size_t side = 0; side < 2 && c.space.order == 8; ++side) {
+      g.sub_cell[d][side] = c.boundary.sides[d][side].kind == BoundaryKind::dirichlet;
+      if (g.sub_cell[d][side]) ++g.points[d];
+    }
   }
   return g;
 }
 
 /// Of the widest stencil used.
 int halo_width(const Case& c) { return std::max(c.space.order, c.space.quadrature_order.value_or(c.space.order)) / 2; }
+
+/// The fewest points of a rank's part: the differences next to a sub-cell stay within it.
+int fewest_points_of_a_part(const Case& c) {
+  const bool closed = c.space.order == 8 && c.boundary.has_dirichlet();
+  return closed ? SubCellClosure::columns : halo_width(c);
+}
 
 std::array<int, 2> processes(const Case& c) {
   std::array<int, 2> p{1, 1};
@@ -110,7 +121,7 @@ Problem::Problem(const Case& c, const ModelRegistry& models, const Communicator&
     : options(c),
       comm(comm_in),
       grid(make_grid(c)),
-      decomposition(comm, grid, processes(c), halo_width(c)),
+      decomposition(comm, grid, processes(c), fewest_points_of_a_part(c)),
       boundary(make_boundary(c)),
       model(make_model(c, models)),
       diffusion(grid, boundary, diffusion_coefficients(c), c.space.order),

@@ -270,9 +270,9 @@ void print_opening(const Case& c, const Problem& problem, const MethodStack& sta
              problem.comm.size() == 1 ? "" : "s", p[0], p[1]);
   fmt::print("{}: {}{}model {}, method {}\n", c.file, c.title, c.title.empty() ? "" : ", ", c.model.name, method_name(c.method));
   if (g.dimension == 1) {
-    fmt::print("grid: {} points, spacing {:.6g}, order {}; ", g.points[0], g.spacing(0), c.space.order);
+    fmt::print("grid: {} points, spacing {:.6g}, order {}; ", g.uniform_points(0), g.spacing(0), c.space.order);
   } else {
-    fmt::print("grid: {} x {} points, spacing {:.6g} x {:.6g}, order {}; ", g.points[0], g.points[1], g.spacing(0), g.spacing(1), c.space.order);
+    fmt::print("grid: {} x {} points, spacing {:.6g} x {:.6g}, order {}; ", g.uniform_points(0), g.uniform_points(1), g.spacing(0), g.spacing(1), c.space.order);
   }
   fmt::print("spectral radius of the diffusion {:.4g}\n", problem.diffusion.spectral_radius());
   if (!problem.note().empty()) fmt::print("initial state: {}\n", problem.note());

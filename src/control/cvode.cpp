@@ -188,11 +188,11 @@ class Cvode::Solver {
   /// The Laplacian's matrix, found by applying it to combs of unit vectors that do not overlap.
   void probe_stencil(const Field& shape) {
     const DiffusionOperator& diffusion = rhs_->diffusion();
-    width_ = diffusion.halo_width();
+    width_ = diffusion.reach();
     const int n = free_.i_end - free_.i_begin;
     const int colours = 2 * width_ + 1;
     stencil_.assign(static_cast<std::size_t>(m_ * n * colours), 0.0);
-    HaloExchange halo(shape.decomposition(), diffusion.boundary(), m_, 1, width_);
+    HaloExchange halo(shape.decomposition(), diffusion.boundary(), m_, 1, diffusion.halo_width());
     Field comb = shape.similar();
     for (int colour = 0; colour < colours; ++colour) {
       for (int s = 0; s < m_; ++s) {
@@ -261,7 +261,7 @@ class Cvode::Solver {
       int* pivot = &me.pivots_[static_cast<std::size_t>(k * m)];
       me.rhs_->reaction().jacobian_at(t, me.x_of(i), me.y_of(j), p + k * m, b);
       for (int r = 0; r < m; ++r) {
-        b[r * m + r] -= second_difference_diagonal(diffusion.order()) * (diffusion.k_x(r) + diffusion.k_y(r));
+        b[r * m + r] -= diffusion.diagonal() * (diffusion.k_x(r) + diffusion.k_y(r));
         for (int c = 0; c < m; ++c) b[r * m + c] = (r == c ? 1.0 : 0.0) - gamma * b[r * m + c];
       }
       for (int c = 0; c < m; ++c) {

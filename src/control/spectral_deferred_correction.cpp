@@ -25,7 +25,8 @@ constexpr double round_off_floor = 1e-15;
 Options checked(Options o) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorKind::input, message); };
   if (o.node_count < 2 || o.node_count > 10) refuse(fmt::format("method.node_count: expected 2 to 10, got {}", o.node_count));
-  const int most = std::max(1, o.node_count - 1);
+  // The stages of a step and its beginning, which the first stage of Lobatto and the last one of Radau is already.
+  const int most = o.nodes == NodeFamily::gauss_lobatto ? o.node_count - 1 : o.node_count;
   if (o.starting_order < 1 || o.starting_order > most) {
     refuse(fmt::format("method.starting_order: expected 1 to {} with {} nodes, got {}", most, o.node_count, o.starting_order));
   }

@@ -24,16 +24,17 @@ struct Bracket {
 
 Bracket bracket(const Grid& grid, int direction, double x) {
   const auto d = static_cast<std::size_t>(direction);
-  const std::int64_t n = grid.points[d];
-  const std::int64_t intervals = grid.periodic[d] ? n : n - 1;
+  const std::int64_t n = grid.uniform_points(direction);
+  const std::int64_t intervals = grid.intervals(direction);
   auto i = static_cast<std::int64_t>(std::floor((x - grid.lower[d]) / grid.spacing(direction)));
   i = std::clamp<std::int64_t>(i, 0, intervals - 1);
-  double fraction = (x - grid.position(direction, i)) / grid.spacing(direction);
+  const std::int64_t lower = grid.index_of_uniform(direction, i);
+  double fraction = (x - grid.position(direction, lower)) / grid.spacing(direction);
   // A point that was meant to lie on the grid gets the grid point's value itself.
   constexpr double tiny = 1e-9;
   if (fraction < tiny) fraction = 0.0;
   if (fraction > 1.0 - tiny) fraction = 1.0;
-  return {i, (i + 1) % n, fraction};
+  return {lower, grid.index_of_uniform(direction, (i + 1) % n), fraction};
 }
 
 }  // namespace

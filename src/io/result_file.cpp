@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
 #include <filesystem>
 #include <optional>
 
@@ -27,9 +26,18 @@ const char* name_of(BoundaryKind kind) {
 }
 
 std::vector<double> positions(const Grid& grid, int direction) {
-  std::vector<double> x(static_cast<std::size_t>(grid.points[static_cast<std::size_t>(direction)]));
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = grid.position(direction, static_cast<std::int64_t>(i));
+  std::vector<double> x(static_cast<std::size_t>(grid.uniform_points(direction)));
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = grid.position(direction, grid.index_of_uniform(direction, static_cast<std::int64_t>(i)));
   return x;
+}
+
+/// The points of a rank's part that belong to the uniform grid, by local index: the first and the last of a part always do.
+std::vector<int> uniform(const Grid& grid, int direction, std::int64_t offset, int n) {
+  std::vector<int> points;
+  for (int i = 0; i < n; ++i) {
+    if (!grid.is_sub_cell(direction, offset + i)) points.push_back(i);
+  }
+  return points;
 }
 
 void write_attributes(hid_t file, const StateHeader& header, const Boundary& boundary, const Grid& grid) {
@@ -39,7 +47,9 @@ void write_attributes(hid_t file, const StateHeader& header, const Boundary& bou
   hdf5::write_attribute(file, "interpolated", std::int64_t{header.interpolated ? 1 : 0});
   hdf5::write_attribute(file, "species", header.species);
   hdf5::write_attribute(file, "dimension", std::int64_t{grid.dimension});
-  hdf5::write_attribute(file, "points", std::vector<std::int64_t>(grid.points.begin(), grid.points.begin() + n));
+  std::vector<std::int64_t> points;
+  for (int d = 0; d < grid.dimension; ++d) points.push_back(grid.uniform_points(d));
+  hdf5::write_attribute(file, "points", points);
   hdf5::write_attribute(file, "lower", std::vector<double>(grid.lower.begin(), grid.lower.begin() + n));
   hdf5::write_attribute(file, "upper", std::vector<double>(grid.upper.begin(), grid.upper.begin() + n));
   std::vector<std::int64_t> periodic;
@@ -107,19 +117,24 @@ void write_content(hid_t file, const StateHeader& header, const Boundary& bounda
     });
   }
 
+  const std::vector<int> columns = uniform(grid, 0, d.offset_x(), d.n_x());
+  const std::vector<int> rows = uniform(grid, 1, d.offset_y(), d.n_y());
   std::vector<hsize_t> extent, offset, count;
   if (grid.dimension == 2) {
-    extent.push_back(static_cast<hsize_t>(grid.points[1]));
-    offset.push_back(static_cast<hsize_t>(d.offset_y()));
-    count.push_back(static_cast<hsize_t>(d.n_y()));
+    extent.push_back(static_cast<hsize_t>(grid.uniform_points(1)));
+    offset.push_back(static_cast<hsize_t>(grid.uniform_index(1, d.offset_y() + rows.front())));
+    count.push_back(rows.size());
   }
-  extent.push_back(static_cast<hsize_t>(grid.points[0]));
-  offset.push_back(static_cast<hsize_t>(d.offset_x()));
-  count.push_back(static_cast<hsize_t>(d.n_x()));
-  const auto n_x = static_cast<std::size_t>(d.n_x());
-  std::vector<double> block(n_x * static_cast<std::size_t>(d.n_y()));
+  extent.push_back(static_cast<hsize_t>(grid.uniform_points(0)));
+  offset.push_back(static_cast<hsize_t>(grid.uniform_index(0, d.offset_x() + columns.front())));
+  count.push_back(columns.size());
+  std::vector<double> block;
+  block.reserve(columns.size() * rows.size());
   for (int s = 0; s < u.n_species(); ++s) {
-    for (int j = 0; j < d.n_y(); ++j) std::memcpy(block.data() + static_cast<std::size_t>(j) * n_x, u.row(s, j), n_x * sizeof(double));
+    block.clear();
+    for (int j : rows) {
+      for (int i : columns) block.push_back(u.at(s, i, j));
+    }
     sequence.then([&] { write_part(file, header.species[static_cast<std::size_t>(s)], extent, offset, count, block.data(), true); });
   }
   sequence.end();

@@ -18,13 +18,13 @@ namespace {
 /// The points of the file's grid from which one point of ours is interpolated, in one direction.
 struct Stencil {
   std::int64_t first = 0;  ///< index in the file's grid; may be outside 0..n-1 where that is periodic
-  int count = 1;           ///< 1..4
-  std::array<double, 4> weight{1.0, 0.0, 0.0, 0.0};
+  int count = 1;           ///< 1..4, and up to 10 for grids with sub-cells, whose differences are of order eight
+  std::array<double, 10> weight{1.0};
 };
 
 /// Lagrange weights of `count` points at 0, 1, .. for the place s.
-std::array<double, 4> lagrange(int count, double s) {
-  std::array<double, 4> w{};
+std::array<double, 10> lagrange(int count, double s) {
+  std::array<double, 10> w{};
   for (int k = 0; k < count; ++k) {
     double product = 1.0;
     for (int m = 0; m < count; ++m) {
@@ -35,13 +35,22 @@ std::array<double, 4> lagrange(int count, double s) {
   return w;
 }
 
-std::int64_t intervals(const Grid& grid, std::size_t d) { return grid.periodic[d] ? grid.points[d] : grid.points[d] - 1; }
+std::int64_t intervals(const Grid& grid, std::size_t d) { return grid.intervals(static_cast<int>(d)); }
 
-/// The stencil of point i of `to` in the grid `from` over the same domain: its place is i * intervals(from) / intervals(to), exactly.
+/// Distance of point i from the lower end in fifths of a spacing, of which a sub-cell is one.
+std::int64_t fifths(const Grid& grid, std::size_t d, std::int64_t i) {
+  static_assert(5.0 * Grid::sub_cell_place == 1.0);
+  const int direction = static_cast<int>(d);
+  if (!grid.is_sub_cell(direction, i)) return 5 * grid.uniform_index(direction, i);
+  return i == 1 ? 1 : 5 * intervals(grid, d) - 1;
+}
+
+/// The stencil of point i of `to` in the grid `from` over the same domain: its place is a fraction of whole numbers, exactly.
 Stencil stencil(const Grid& from, const Grid& to, std::size_t d, std::int64_t i) {
-  const std::int64_t whole = i * intervals(from, d);
-  const std::int64_t base = whole / intervals(to, d);
-  const std::int64_t rest = whole % intervals(to, d);
+  const std::int64_t whole = fifths(to, d, i) * intervals(from, d);
+  const std::int64_t unit = 5 * intervals(to, d);
+  const std::int64_t base = whole / unit;
+  const std::int64_t rest = whole % unit;
   Stencil r;
   r.first = base;
   if (rest == 0) {
@@ -49,10 +58,10 @@ Stencil stencil(const Grid& from, const Grid& to, std::size_t d, std::int64_t i)
     return r;
   }
   const std::int64_t n = from.points[d];
-  r.count = static_cast<int>(std::min<std::int64_t>(4, n));
+  r.count = static_cast<int>(std::min<std::int64_t>(to.has_sub_cells(static_cast<int>(d)) ? 10 : 4, n));
   r.first = base - (r.count - 1) / 2;
   if (!from.periodic[d]) r.first = std::clamp<std::int64_t>(r.first, 0, n - r.count);
-  const double s = static_cast<double>(base - r.first) + static_cast<double>(rest) / static_cast<double>(intervals(to, d));
+  const double s = static_cast<double>(base - r.first) + static_cast<double>(rest) / static_cast<double>(unit);
   r.weight = lagrange(r.count, s);
   return r;
 }
@@ -164,7 +173,8 @@ Grid read_grid(hid_t file) {
 }
 
 std::string size_of(const Grid& grid) {
-  return grid.dimension == 1 ? fmt::format("{}", grid.points[0]) : fmt::format("{} x {}", grid.points[0], grid.points[1]);
+  return grid.dimension == 1 ? fmt::format("{}", grid.uniform_points(0))
+                             : fmt::format("{} x {}", grid.uniform_points(0), grid.uniform_points(1));
 }
 
 /// Whether two grids cover one domain up to round-off; a periodic grid's missing end point does not matter.
@@ -183,7 +193,7 @@ void require_same_domain(const Grid& from, const Grid& to) {
 
 bool same_points(const Grid& a, const Grid& b) {
   for (std::size_t d = 0; d < static_cast<std::size_t>(a.dimension); ++d) {
-    if (a.points[d] != b.points[d] || a.periodic[d] != b.periodic[d]) return false;
+    if (a.uniform_points(static_cast<int>(d)) != b.uniform_points(static_cast<int>(d)) || a.periodic[d] != b.periodic[d]) return false;
   }
   return true;
 }

@@ -45,7 +45,7 @@ Json grid(const Summary& s) {
   j["lower"] = Json::array();
   j["upper"] = Json::array();
   for (std::size_t d = 0; d < static_cast<std::size_t>(s.grid.dimension); ++d) {
-    j["points"].push_back(s.grid.points[d]);
+    j["points"].push_back(s.grid.uniform_points(static_cast<int>(d)));
     j["lower"].push_back(number(s.grid.lower[d]));
     j["upper"].push_back(number(s.grid.upper[d]));
   }

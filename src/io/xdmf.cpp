@@ -45,7 +45,7 @@ std::string XdmfSeries::text() const {
   // A uniform grid of three dimensions with one layer, and one row in 1-D, slowest direction first. Of the forms the format has this is
   // the one that all readers of ParaView 5.11 (XDMF 2 and 3) put where it belongs; grids of coordinate arrays crash them or come out at 0.
   const bool plane = grid_.dimension == 2;
-  const std::string extent = fmt::format("1 {} {}", plane ? grid_.points[1] : 1, grid_.points[0]);
+  const std::string extent = fmt::format("1 {} {}", plane ? grid_.uniform_points(1) : 1, grid_.uniform_points(0));
   const std::string origin = fmt::format("0 {} {}", plane ? grid_.lower[1] : 0.0, grid_.lower[0]);
   const std::string spacing = fmt::format("1 {} {}", plane ? grid_.spacing(1) : 1.0, grid_.spacing(0));
   const auto three_numbers = [](const std::string& numbers) {

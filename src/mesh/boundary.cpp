@@ -71,7 +71,7 @@ void Boundary::fill_halo(Field& u, int width, std::span<const int> species) cons
   const int width_y = d.grid().dimension == 2 ? width : 0;
   for (int s : species) {
     for (int which = 0; which < 2; ++which) {
-      if (!d.at_boundary(0, which)) continue;
+      if (!d.at_boundary(0, which) || d.grid().sub_cell[0][static_cast<std::size_t>(which)]) continue;
       for (int j = -width_y; j < u.n_y() + width_y; ++j) {
         double* row = u.row(s, j);
         fill_line(which == 0 ? row : row + u.n_x() - 1, which == 0 ? 1 : -1, width, side(0, which).kind);
@@ -79,7 +79,7 @@ void Boundary::fill_halo(Field& u, int width, std::span<const int> species) cons
     }
     if (d.grid().dimension == 1) continue;
     for (int which = 0; which < 2; ++which) {
-      if (!d.at_boundary(1, which)) continue;
+      if (!d.at_boundary(1, which) || d.grid().sub_cell[1][static_cast<std::size_t>(which)]) continue;
       double* end = u.row(s, which == 0 ? 0 : u.n_y() - 1);
       const std::ptrdiff_t in = which == 0 ? u.row_stride() : -u.row_stride();
       for (int i = -width; i < u.n_x() + width; ++i) fill_line(end + i, in, width, side(1, which).kind);

@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "species_count.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/solvers/implicit_part.hpp"
 #include "stiffront/solvers/line_coupling.hpp"
+#include "stiffront/space/three_point.hpp"
 
 namespace stiffront {
 namespace {
@@ -22,6 +24,7 @@ class LinePart final : public ImplicitPart {
         jacobian_(*decomposition_, m * m, 0),
         system_(*decomposition_, decomposition_->grid().periodic[0]) {
     for (int s = 0; s < m; ++s) k_[s] = terms.gamma_diffusion * diffusion.k_x(s);
+    for (int i = 0; i < shape.n_x(); ++i) weights_.push_back(three_point_second(decomposition_->grid(), 0, decomposition_->offset_x() + i));
   }
 
   void solve(double t, double h, const Field& at, Field& b, Work& work) override {
@@ -31,14 +34,21 @@ class LinePart final : public ImplicitPart {
       for (int c = 0; c < m; ++c) {
         double* to = system_.diagonal(r, c);
         const double* from = jacobian_.row(r * m + c, 0);
-        const double unit = r == c ? 1.0 + 2.0 * (h * k_[r]) : 0.0;
-        for (int i = 0; i < n; ++i) to[i] = unit - h * from[i];
+        for (int i = 0; i < n; ++i) to[i] = -h * from[i];
+      }
+      const double hk = h * k_[r];
+      double* const lower = system_.lower(r);
+      double* const diagonal = system_.diagonal(r, r);
+      double* const upper = system_.upper(r);
+      for (int i = 0; i < n; ++i) {
+        const ThreePoint& w = weights_[static_cast<std::size_t>(i)];
+        lower[i] = -(hk * w.before);
+        diagonal[i] = (1.0 + hk * (w.before + w.after)) + diagonal[i];
+        upper[i] = -(hk * w.after);
       }
       std::copy_n(b.row(r, 0), n, system_.right_side(r));
     }
-    double coupling[m];
-    for (int r = 0; r < m; ++r) coupling[r] = -(h * k_[r]);
-    couple_line(system_, *decomposition_, free_, coupling);
+    fix_points(system_, free_, n);
     system_.factor_and_solve();
     for (int r = 0; r < m; ++r) std::copy_n(system_.right_side(r), n, b.row(r, 0));
     if (terms_.reaction) work.reaction_jacobians += free_.i_end - free_.i_begin;
@@ -53,6 +63,7 @@ class LinePart final : public ImplicitPart {
   Field jacobian_;  // zero if the reaction is no part
   BlockTridiagonal<m> system_;
   double k_[m];
+  std::vector<ThreePoint> weights_;
 };
 
 }  // namespace

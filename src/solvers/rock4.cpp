@@ -153,7 +153,7 @@ Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffus
     }
   }
   FreeBox inner = free_;
-  inner.i_begin = pack_size;
+  inner.i_begin = (width + pack_size - 1) / pack_size * pack_size;
   inner.i_end = (decomposition.n_x() - width) / pack_size * pack_size;
   if (two_dimensional) {
     inner.j_begin = std::max(width, free_.j_begin);
@@ -261,12 +261,18 @@ double Rock4::attempt(double t, double h, Work& work) {
   const Rock4Coefficients& m = table_[stages];
   const Finish finish(m);
   Agreement agreement(static_cast<int>(buffers_.size()), 0);
-  diffusion_->dispatch([&]<int Order, int Dimension>() {
+  if (diffusion_->order() == 8 && slope_.empty()) slope_.push_back(buffers_.front()[start]->similar());
+  const auto all_stages = [&]<int Order, int Dimension>() {
     // on_row(b, s, j) makes the row object of species s in the buffers b.
     const auto pass = [&](std::size_t input, double time, auto&& on_row) {
       stage(input, time, [&](std::size_t k, int s, const FreeBox& tile) {
         const Field& u = *buffers_[k][input];
-        sweep(diffusion_->stencil<Order, Dimension>(s, u), u, s, tile, [&](int j) { return on_row(k, s, j); });
+        if constexpr (Order == 8) {
+          diffusion_->apply_of_order_8(u, slope_.front(), s, tile);
+          sweep_values(u, slope_.front(), s, tile, [&](int j) { return on_row(k, s, j); });
+        } else {
+          sweep(diffusion_->stencil<Order, Dimension>(s, u), u, s, tile, [&](int j) { return on_row(k, s, j); });
+        }
       });
     };
     const auto euler = [&](std::size_t u, std::size_t to, double time, double weight) {
@@ -323,7 +329,12 @@ double Rock4::attempt(double t, double h, Work& work) {
                          .sum = &agreement.sums[k]};
     });
     result_ = g;
-  });
+  };
+  if (diffusion_->order() == 8) {
+    all_stages.operator()<8, 0>();
+  } else {
+    diffusion_->dispatch(all_stages);
+  }
   work.diffusion_stages += stages;
   work.halo_exchanges += stages;
 

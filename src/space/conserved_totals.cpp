@@ -13,8 +13,11 @@ namespace {
 double weight(const Grid& grid, int direction, std::int64_t index) {
   const auto d = static_cast<std::size_t>(direction);
   if (direction >= grid.dimension) return 1.0;
-  const bool at_end = !grid.periodic[d] && (index == 0 || index == grid.points[d] - 1);
-  return (at_end ? 0.5 : 1.0) * grid.spacing(direction);
+  if (grid.periodic[d]) return grid.spacing(direction);
+  const double here = grid.place(direction, index);
+  const double before = index == 0 ? here : grid.place(direction, index - 1);
+  const double after = index == grid.points[d] - 1 ? here : grid.place(direction, index + 1);
+  return 0.5 * (after - before) * grid.spacing(direction);
 }
 
 }  // namespace

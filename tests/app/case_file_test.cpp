@@ -158,7 +158,7 @@ x_lower = { type = "dirichlet", u = 0.1, v = "sin(t)*2" }
 y = "periodic"
 [space]
 order = 4
-quadrature_order = 8
+quadrature_order = 2
 [diffusion_solver]
 tolerance = 1.2345678901234567e-7
 [reaction_solver]

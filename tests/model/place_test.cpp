@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/grids.hpp"
+
 namespace stiffront {
 namespace {
 
@@ -22,6 +24,18 @@ TEST(PlaceTest, LanesStandAtTheirGridPointsAndSpareLanesAtTheLastOne) {
         EXPECT_EQ(place.x[l], grid.position(0, i + (l < n ? l : n - 1)));
         EXPECT_EQ(place.y[l], grid.position(1, 7));
       }
+    }
+  }
+}
+
+TEST(PlaceTest, LanesStandAtSubCells) {
+  const Communicator comm(MPI_COMM_SELF);
+  const Grid grid = testing::unit_grid_of_order(8, 37, 0, testing::dirichlet);
+  const Decomposition d(comm, grid, {0, 0}, 1);
+  for (int i = 0; i < 39; ++i) {
+    for (int n = 1; n <= pack_size && i + n <= 39; ++n) {
+      const Place<Pack> place = place_of_pack(d, 0.25, i, 0, n);
+      for (int l = 0; l < pack_size; ++l) EXPECT_EQ(place.x[l], grid.position(0, i + (l < n ? l : n - 1)));
     }
   }
 }

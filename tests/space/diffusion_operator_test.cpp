@@ -52,10 +52,10 @@ class DiffusionOperatorTest : public ::testing::Test {
 double rough(int i, int j) { return testing::scatter(i, j) - 0.5; }
 
 TEST_F(DiffusionOperatorTest, SpectralRadiusIsABoundAndAtMostATenthTooLarge) {
-  for (const int order : {2, 4}) {
+  for (const int order : {2, 4, 8}) {
     for (const Sides& x : testing::all_sides) {
       for (const int n : {16, 17}) {
-        const testing::AssembledDiffusion line(self, testing::unit_grid(n, 0, x), x, testing::neumann, testing::zero, order);
+        const testing::AssembledDiffusion line(self, testing::unit_grid_of_order(order, n, 0, x), x, testing::neumann, testing::zero, order);
         const Eigen::VectorXcd eigenvalues = Eigen::MatrixXd(line.matrix).eigenvalues();
         const double exact = -eigenvalues.real().minCoeff();
         const double bound = line.diffusion.spectral_radius(0);
@@ -67,7 +67,7 @@ TEST_F(DiffusionOperatorTest, SpectralRadiusIsABoundAndAtMostATenthTooLarge) {
         EXPECT_LE(eigenvalues.real().maxCoeff(), 1e-12 * exact) << what;
       }
       for (const Sides& y : testing::all_sides) {
-        const testing::AssembledDiffusion plane(self, testing::unit_grid(11, 12, x, y), x, y, testing::zero, order);
+        const testing::AssembledDiffusion plane(self, testing::unit_grid_of_order(order, 11, 12, x, y), x, y, testing::zero, order);
         const double exact = -Eigen::MatrixXd(plane.matrix).eigenvalues().real().minCoeff();
         const double bound = plane.diffusion.spectral_radius(0);
         const std::string what = testing::name_of(x) + "/" + testing::name_of(y) + ", order " + std::to_string(order);
@@ -107,12 +107,12 @@ TEST_F(DiffusionOperatorTest, CosinesAreEigenvectorsWithTheSymbolAsEigenvalue) {
 }
 
 TEST_F(DiffusionOperatorTest, ConstantsGiveExactlyZero) {
-  for (const int order : {2, 4}) {
+  for (const int order : {2, 4, 8}) {
     for (const Sides& x : testing::all_sides) {
       for (const double c : {1.0, 0.1, -1e300, 3e-300, 4e-4}) {
-        const Applied a = apply(testing::unit_grid(19, 13, x, testing::neumann), x, testing::neumann, order, [&](int, int) { return c; });
+        const Applied a = apply(testing::unit_grid_of_order(order, 19, 13, x, testing::neumann), x, testing::neumann, order, [&](int, int) { return c; });
         for (int j = 0; j < 13; ++j) {
-          for (int i = 0; i < 19; ++i) ASSERT_EQ(a.lu.at(0, i, j), 0.0) << c << ", " << testing::name_of(x) << ", order " << order;
+          for (int i = 0; i < a.u.n_x(); ++i) ASSERT_EQ(a.lu.at(0, i, j), 0.0) << c << ", " << testing::name_of(x) << ", order " << order;
         }
       }
     }
@@ -134,13 +134,13 @@ TEST_F(DiffusionOperatorTest, DataConstantInYHaveTheBitsOfOneDimension) {
 }
 
 TEST_F(DiffusionOperatorTest, TransposedDataGiveTransposedBits) {
-  for (const int order : {2, 4}) {
+  for (const int order : {2, 4, 8}) {
     for (const Sides& x : testing::all_sides) {
       for (const Sides& y : testing::all_sides) {
-        const Applied a = apply(testing::unit_grid(21, 21, x, y), x, y, order, rough);
-        const Applied b = apply(testing::unit_grid(21, 21, y, x), y, x, order, [](int i, int j) { return rough(j, i); });
-        for (int j = 0; j < 21; ++j) {
-          for (int i = 0; i < 21; ++i) {
+        const Applied a = apply(testing::unit_grid_of_order(order, 21, 21, x, y), x, y, order, rough);
+        const Applied b = apply(testing::unit_grid_of_order(order, 21, 21, y, x), y, x, order, [](int i, int j) { return rough(j, i); });
+        for (int j = 0; j < a.u.n_y(); ++j) {
+          for (int i = 0; i < a.u.n_x(); ++i) {
             const double p = a.lu.at(0, i, j);
             const double q = b.lu.at(0, j, i);
             // Spacings are equal where both directions are periodic or both are not.
@@ -157,18 +157,19 @@ TEST_F(DiffusionOperatorTest, TransposedDataGiveTransposedBits) {
 }
 
 TEST_F(DiffusionOperatorTest, MirroredDataGiveMirroredBits) {
-  constexpr int n = 21;
-  constexpr int m = 14;
-  for (const int order : {2, 4}) {
+  for (const int order : {2, 4, 8}) {
     for (const Sides& x : testing::all_sides) {
       for (const Sides& y : testing::all_sides) {
         const Sides x_mirrored{x[1], x[0]};
         const Sides y_mirrored{y[1], y[0]};
-        const Applied a = apply(testing::unit_grid(n, m, x, y), x, y, order, rough);
+        const Grid grid = testing::unit_grid_of_order(order, 21, 14, x, y);
+        const auto n = static_cast<int>(grid.points[0]);
+        const auto m = static_cast<int>(grid.points[1]);
+        const Applied a = apply(grid, x, y, order, rough);
         const Applied b =
-            apply(testing::unit_grid(n, m, x, y), x_mirrored, y, order, [](int i, int j) { return rough(n - 1 - i, j); });
+            apply(testing::unit_grid_of_order(order, 21, 14, x_mirrored, y), x_mirrored, y, order, [n](int i, int j) { return rough(n - 1 - i, j); });
         const Applied c =
-            apply(testing::unit_grid(n, m, x, y), x, y_mirrored, order, [](int i, int j) { return rough(i, m - 1 - j); });
+            apply(testing::unit_grid_of_order(order, 21, 14, x, y_mirrored), x, y_mirrored, order, [m](int i, int j) { return rough(i, m - 1 - j); });
         for (int j = 0; j < m; ++j) {
           for (int i = 0; i < n; ++i) {
             const double p = a.lu.at(0, i, j);
@@ -187,7 +188,7 @@ TEST_F(DiffusionOperatorTest, RowsSplitAnywhereGiveTheSameBits) {
   constexpr int n = 37;
   const Grid grid = testing::unit_grid(n, 9, testing::periodic, testing::neumann);
   const Boundary boundary = Boundary::natural(grid);
-  for (const int order : {2, 4}) {
+  for (const int order : {2, 4, 8}) {
     const Applied whole = apply(grid, testing::periodic, testing::neumann, order, rough);
     const DiffusionOperator diffusion(grid, boundary, {1.0}, order);
     for (int split = 0; split <= n; ++split) {
@@ -280,7 +281,7 @@ TEST_F(DiffusionOperatorTest, BadSettingsAreInputErrors) {
       EXPECT_EQ(std::string(e.what()).rfind(start, 0), 0U) << e.what();
     }
   };
-  expect({1.0}, 3, "space.order: expected 2 or 4, got 3");
+  expect({1.0}, 3, "space.order: expected 2, 4 or 8, got 3");
   expect({1.0, -0.5}, 2, "model.diffusion: expected a coefficient >= 0, got -0.5");
   expect({std::numeric_limits<double>::quiet_NaN()}, 2, "model.diffusion: ");
   expect({std::numeric_limits<double>::infinity()}, 2, "model.diffusion: ");

@@ -51,7 +51,7 @@ Profile1d profile(const Sides& sides, double x) {
 double solution_error(const Communicator& self, int n_x, int n_y, const Sides& x, const Sides& y, int order) {
   const bool plane = n_y != 0;
   const auto points = [](int intervals, const Sides& sides) { return intervals + (sides == testing::periodic ? 0 : 1); };
-  const Grid grid = testing::unit_grid(points(n_x, x), plane ? points(n_y, y) : 0, x, y);
+  const Grid grid = testing::unit_grid_of_order(order, points(n_x, x), plane ? points(n_y, y) : 0, x, y);
   const auto exact = [&](double px, double py) { return profile(x, px).value * (plane ? profile(y, py).value : 1.0); };
   const auto laplacian = [&](double px, double py) {
     const Profile1d a = profile(x, px);
@@ -80,7 +80,7 @@ class DiffusionOrderTest : public ::testing::TestWithParam<int> {
  protected:
   static void expect_order(const std::vector<double>& h, const std::vector<double>& error, const std::string& what) {
     const double order = testing::observed_order(h, error);
-    EXPECT_NEAR(order, GetParam(), GetParam() == 2 ? 0.1 : 0.2) << what << fmt::format(", errors {:.2e}", fmt::join(error, " "));
+    EXPECT_NEAR(order, GetParam(), GetParam() == 2 ? 0.1 : (GetParam() == 4 ? 0.2 : 0.5)) << what << fmt::format(", errors {:.2e}", fmt::join(error, " "));
   }
   const Communicator self{MPI_COMM_SELF};
 };
@@ -89,7 +89,9 @@ TEST_P(DiffusionOrderTest, IsThatOfTheStencilForEveryBoundaryInOneDimension) {
   for (const Sides& x : testing::all_sides) {
     std::vector<double> h;
     std::vector<double> error;
-    for (const int n : {32, 48, 72, 108}) {
+    // Of order eight, so few that rounding does not show: waves need more points than what the other sides let pass.
+    const std::array of_order_8 = x == testing::periodic ? std::array{48, 56, 64, 72} : std::array{16, 20, 26, 32};
+    for (const int n : GetParam() == 8 ? of_order_8 : std::array{32, 48, 72, 108}) {
       h.push_back(1.0 / n);
       error.push_back(solution_error(self, n, 0, x, testing::neumann, GetParam()));
     }
@@ -104,7 +106,9 @@ TEST_P(DiffusionOrderTest, IsThatOfTheStencilForEveryBoundaryInTwoDimensions) {
   for (const auto& [x, y] : pairs) {
     std::vector<double> h;
     std::vector<double> error;
-    for (const int n : {16, 24, 32, 48}) {
+    const bool waves = x == testing::periodic || y == testing::periodic;
+    const std::array of_order_8 = waves ? std::array{32, 36, 42, 48} : std::array{16, 20, 24, 28};
+    for (const int n : GetParam() == 8 ? of_order_8 : std::array{16, 24, 32, 48}) {
       h.push_back(1.0 / n);
       error.push_back(solution_error(self, n, n + n / 2, x, y, GetParam()));
     }
@@ -112,7 +116,7 @@ TEST_P(DiffusionOrderTest, IsThatOfTheStencilForEveryBoundaryInTwoDimensions) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Orders, DiffusionOrderTest, ::testing::Values(2, 4),
+INSTANTIATE_TEST_SUITE_P(Orders, DiffusionOrderTest, ::testing::Values(2, 4, 8),
                          [](const auto& p) { return "order" + std::to_string(p.param); });
 
 }  // namespace

@@ -33,6 +33,18 @@ inline Grid unit_grid(int n_x, int n_y, const Sides& x, const Sides& y = neumann
   return grid;
 }
 
+/// The same with the sub-cells that differences of order eight need.
+inline Grid unit_grid_of_order(int order, int n_x, int n_y, const Sides& x, const Sides& y = neumann) {
+  Grid grid = unit_grid(n_x, n_y, x, y);
+  for (std::size_t d = 0; d < static_cast<std::size_t>(grid.dimension); ++d) {
+    for (std::size_t which = 0; which < 2; ++which) {
+      grid.sub_cell[d][which] = order == 8 && (d == 0 ? x : y)[which] == BoundaryKind::dirichlet;
+      if (grid.sub_cell[d][which]) ++grid.points[d];
+    }
+  }
+  return grid;
+}
+
 /// Boundaries of the given kinds; Dirichlet sides of every species take the value of the function.
 inline Boundary boundary_of(const Sides& x, const Sides& y, int n_species, const BoundaryValue& value) {
   std::array<std::array<BoundarySide, 2>, 2> sides;

@@ -49,6 +49,13 @@ struct SideOptions {
 struct BoundaryOptions {
   std::array<std::array<SideOptions, 2>, 3> sides;
 
+  bool has_dirichlet() const {
+    for (const auto& [lower, upper] : sides) {
+      if (lower.kind == BoundaryKind::dirichlet || upper.kind == BoundaryKind::dirichlet) return true;
+    }
+    return false;
+  }
+
   bool operator==(const BoundaryOptions&) const = default;
 };
 

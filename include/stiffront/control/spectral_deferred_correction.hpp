@@ -31,7 +31,7 @@ struct SpectralDeferredCorrectionOptions {
   int node_count = 4;          ///< m, 2 .. 10
   double fixed_step = 0.0;     ///< Delta T; 0: adaptive
   double tolerance = 0.0;      ///< of adaptive steps
-  int starting_order = 2;      ///< k, 1 .. m - 1 (1 for m = 2)
+  int starting_order = 2;      ///< k, 1 .. m (Lobatto: m - 1)
   int corrections = 5;         ///< L; of adaptive steps, the most
   bool consistent = true;      ///< corrections repeat the explicit part
   Correction correction = Correction::standard;

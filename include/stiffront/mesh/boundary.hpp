@@ -55,7 +55,8 @@ class Boundary {
   /// The number of evolving points of the whole grid.
   std::int64_t free_points(const Grid& grid) const;
 
-  /// Fills the halo of the given species beyond physical sides; halos from neighbours must be there already.
+  /// Fills the halo of the given species beyond physical sides; halos from neighbours must be there already. Where the grid has a
+  /// sub-cell nobody looks beyond the side.
   void fill_halo(Field& u, int width, std::span<const int> species) const;
   /// Sets Dirichlet points to their values at time t. A point of two Dirichlet sides takes the x side's value.
   void impose(Field& u, double t) const;

@@ -28,6 +28,9 @@ inline Place<Pack> place_of_pack(const Decomposition& d, double t, int i, int j,
   const Grid& grid = d.grid();
   Pack index(static_cast<double>(d.offset_x() + i));
   for (int l = 0; l < pack_size; ++l) index.set(l, index[l] + (l < n ? l : n - 1));
+  if (grid.has_sub_cells(0)) {
+    for (int l = 0; l < pack_size; ++l) index.set(l, grid.place(0, d.offset_x() + i + (l < n ? l : n - 1)));
+  }
   return {t, Pack(grid.lower[0]) + index * Pack(grid.spacing(0)),
           Pack(grid.dimension == 2 ? grid.position(1, d.offset_y() + j) : 0.0)};
 }

@@ -72,9 +72,17 @@ class ModelKernelsOf final : public ModelKernels {
         throw Error(ErrorKind::input, fmt::format("initial.profile: \"{}\" needs a grid of {} dimensions", profile, p.dimension));
       }
       double cell[M::n_species];
+      const Grid& grid = d.grid();
+      const Grid uniform = grid.uniform();
       for (int j = 0; j < u.n_y(); ++j) {
         for (int i = 0; i < u.n_x(); ++i) {
-          p.evaluate(model_, d.grid(), d.offset_x() + i, d.offset_y() + j, cell);
+          const std::int64_t at_i = d.offset_x() + i;
+          const std::int64_t at_j = d.offset_y() + j;
+          if (grid.is_sub_cell(0, at_i) || grid.is_sub_cell(1, at_j)) {
+            p.evaluate(model_, grid, at_i, at_j, cell);
+          } else {
+            p.evaluate(model_, uniform, grid.uniform_index(0, at_i), grid.uniform_index(1, at_j), cell);
+          }
           for (int s = 0; s < M::n_species; ++s) u.at(s, i, j) = cell[s];
         }
       }

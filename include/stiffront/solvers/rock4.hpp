@@ -87,6 +87,7 @@ class Rock4 final : public Flow {
   std::map<std::size_t, std::unique_ptr<HaloExchange>> exchanges_;  ///< by number of states
   std::deque<Field> scratch_;
   std::size_t scratch_used_ = 0;
+  std::vector<Field> slope_;  ///< order 8: D Laplacian(u), for want of a fused kernel
   std::vector<Buffers> buffers_;  ///< one per state
   std::vector<Field*> exchanged_;
   std::vector<const Field*> kept_;  ///< `from` fields that must not be written

@@ -56,10 +56,10 @@ struct Laplacian {
 };
 
 /// The diagonal coefficient of -second_difference.
-constexpr double second_difference_diagonal(int order) { return order == 2 ? 2.0 : 2.5; }
+constexpr double second_difference_diagonal(int order) { return order == 2 ? 2.0 : (order == 4 ? 2.5 : 205.0 / 72.0); }
 /// The largest eigenvalue of -second_difference, its symbol at the highest wave number (exact for periodic and Neumann grids with
-/// an even number of intervals, a bound for all others).
-constexpr double second_difference_radius(int order) { return order == 2 ? 4.0 : 16.0 / 3.0; }
+/// an even number of intervals, a bound for all others without sub-cells).
+constexpr double second_difference_radius(int order) { return order == 2 ? 4.0 : (order == 4 ? 16.0 / 3.0 : 2048.0 / 315.0); }
 
 /// Calls f(i, n) for the packs of a row: points i .. i + n - 1, n = pack_size except at the end.
 template <class F>

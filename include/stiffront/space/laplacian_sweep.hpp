@@ -139,4 +139,21 @@ void sweep(const Laplacian<Order, Dimension>& laplacian, const Field& u, int spe
   }
 }
 
+/// The same for values f that have been computed, D Laplacian(u) of an order that has no fused kernels.
+template <class OnRow>
+void sweep_values(const Field& u, const Field& f, int species, const FreeBox& tile, OnRow&& on_row) {
+  for (int j = tile.j_begin; j < tile.j_end; ++j) {
+    const auto row = on_row(j);
+    const double* const x = u.row(species, j);
+    const double* const value = f.row(species, j);
+    for (int i = tile.i_begin / pack_size * pack_size; i < tile.i_end; i += pack_size) {
+      if (i >= tile.i_begin && i + pack_size <= tile.i_end) {
+        row(i, AllLanes{}, Pack::load(x + i), Pack::load(value + i));
+      } else {
+        row(i, SomeLanes{Mask::first(tile.i_end - i) & !Mask::first(tile.i_begin - i)}, Pack::load(x + i), Pack::load(value + i));
+      }
+    }
+  }
+}
+
 }  // namespace stiffront
