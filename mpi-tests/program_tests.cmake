@@ -65,3 +65,7 @@ same_bits_test(strang-2d-order-8 brusselator-2d "${boxes}" "grid.points=[47, 41]
 restart_test(sdc-order-8 brusselator-1d 3 ${order_8} method.name=sdc method.step=0.1 time.end=1)
 restart_test(sdc bz-1d 7 method.name=sdc method.step=5e-4 time.end=0.01)
 restart_test(sdc-adaptive bz-1d 11 method.name=sdc method.tolerance=1e-6 method.nodes=gauss-legendre time.end=4e-3)
+same_bits_test(sdc-2d bz-2d-spiral "${boxes}" "grid.points=[67, 61]" method.name=sdc method.step=2e-3 time.end=0.01)
+same_bits_test(sdc-2d-periodic brusselator-2d "1x1 4x1 1x4 2x2" "grid.points=[67, 61]" method.name=sdc method.step=0.02 time.end=0.1)
+same_bits_test(sdc-2d-adaptive brusselator-2d "${boxes}" "grid.points=[67, 61]" method.name=sdc method.tolerance=1e-6 time.end=0.1)
+restart_test(sdc-2d brusselator-2d 3 "grid.points=[35, 41]" method.name=sdc method.tolerance=1e-5 time.end=0.2)

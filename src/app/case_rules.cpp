@@ -461,7 +461,10 @@ class Completion {
            "starting_order = 1, consistent = true, a fixed step and no acceleration");
     }
     if (o.implicit_solver == SdcSolver::block_tridiagonal && c_.grid.points.size() > 1) {
-      expected("method.implicit_solver", "another solver in two dimensions");
+      expected("method.implicit_solver", "\"auto\", \"multigrid\" or \"cell-local\" in two dimensions");
+    }
+    if (o.implicit_solver == SdcSolver::multigrid && c_.grid.points.size() == 1) {
+      expected("method.implicit_solver", "\"auto\", \"block-tridiagonal\" or \"cell-local\" in one dimension");
     }
   }
 

@@ -27,7 +27,7 @@ inline constexpr std::array choice_words<SdcSplitting>{"preconditioned", "imex"}
 template <>
 inline constexpr std::array choice_words<SdcImplicit>{"diffusion", "reaction"};
 template <>
-inline constexpr std::array choice_words<SdcSolver>{"auto", "cell-local", "block-tridiagonal"};
+inline constexpr std::array choice_words<SdcSolver>{"auto", "cell-local", "block-tridiagonal", "multigrid"};
 template <>
 inline constexpr std::array choice_words<SdcCorrection>{"standard", "alternative"};
 template <>

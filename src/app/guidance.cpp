@@ -276,7 +276,10 @@ double estimated_memory_mib(const Case& c) {
     double operator()(const StrangOptions&) const { return 7.0; }
     double operator()(const AdaptiveStrangOptions&) const { return 13.0; }
     double operator()(const DcsOptions& o) const { return 4.0 + 4.0 * o.stages; }
-    double operator()(const SdcOptions& o) const { return 4.0 + 4.0 * o.node_count; }
+    double operator()(const SdcOptions& o) const {
+      const bool multigrid = in_plane && o.implicit_solver != SdcSolver::cell_local;
+      return 4.0 + 4.0 * o.node_count + (multigrid ? 16.0 + 2.7 * species : 0.0);
+    }
     double operator()(const SbdfOptions&) const { return 11.0; }
     double operator()(const AutoOptions&) const { return 11.0; }
     double operator()(const CvodeOptions& o) const {
@@ -285,7 +288,9 @@ double estimated_memory_mib(const Case& c) {
     }
     double species = 0.0;
     double width = 0.0;
+    bool in_plane = false;
   } fields;
+  fields.in_plane = c.grid.dimension() == 2;
   fields.species = static_cast<double>(c.model.species.size());
   fields.width = c.space.order / 2.0;
   const bool interpolates = c.output.mode == OutputMode::interpolate && (!c.output.times.empty() || c.output.every > 0.0);

@@ -155,11 +155,19 @@ void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem)
   if (o.splitting == SdcSplitting::imex && o.implicit == SdcImplicit::reaction) terms.gamma_diffusion = 0.0;
   SdcSolver solver = o.implicit_solver;
   if (solver == SdcSolver::automatic) {
-    solver = c.grid.dimension() == 1 && terms.gamma_diffusion > 0.0 ? SdcSolver::block_tridiagonal : SdcSolver::cell_local;
+    solver = c.grid.dimension() == 1 ? SdcSolver::block_tridiagonal : SdcSolver::multigrid;
+    if (!(terms.gamma_diffusion > 0.0)) solver = SdcSolver::cell_local;
   }
-  implicit_part_ = solver == SdcSolver::block_tridiagonal
-                       ? make_block_tridiagonal_part(problem.state, problem.diffusion, *problem.model, terms)
-                       : make_cell_local_part(problem.state, problem.diffusion, *problem.model, terms);
+  switch (solver) {
+    case SdcSolver::block_tridiagonal:
+      implicit_part_ = make_block_tridiagonal_part(problem.state, problem.diffusion, *problem.model, terms);
+      break;
+    case SdcSolver::multigrid:
+      implicit_part_ = make_multigrid_part(problem.state, problem.diffusion, *problem.model, terms, o.linear_tolerance);
+      break;
+    case SdcSolver::automatic:
+    case SdcSolver::cell_local: implicit_part_ = make_cell_local_part(problem.state, problem.diffusion, *problem.model, terms); break;
+  }
 
   SpectralDeferredCorrectionOptions s;
   switch (o.nodes) {

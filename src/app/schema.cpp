@@ -326,8 +326,10 @@ std::vector<Key> sdc_keys() {
              "\"preconditioned\": diffusion and the Jacobian of the reaction are implicit; \"imex\": one of them"),
       choice("method.implicit", STIFFRONT_METHOD(Options, implicit), "with splitting = \"imex\": which one"),
       choice("method.implicit_solver", STIFFRONT_METHOD(Options, implicit_solver),
-             "\"block-tridiagonal\": direct, 1-D; \"cell-local\": of the Laplacian only its diagonal, for weak diffusion; \"auto\": "
-             "the best there is"),
+             "\"block-tridiagonal\": direct, 1-D; \"multigrid\": GMRES preconditioned by multigrid, 2-D; \"cell-local\": of the "
+             "Laplacian only its diagonal, for weak diffusion; \"auto\": one of the first two"),
+      number("method.linear_tolerance", fraction, STIFFRONT_METHOD(Options, linear_tolerance),
+             "with multigrid: residual of the linear systems, relative to the change of each species"),
   };
 }
 

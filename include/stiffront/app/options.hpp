@@ -175,7 +175,7 @@ struct DcsOptions {
 enum class NodeFamily { gauss_legendre, gauss_lobatto, gauss_radau };
 enum class SdcSplitting { preconditioned, imex };
 enum class SdcImplicit { diffusion, reaction };
-enum class SdcSolver { automatic, cell_local, block_tridiagonal };
+enum class SdcSolver { automatic, cell_local, block_tridiagonal, multigrid };
 enum class SdcCorrection { standard, alternative };
 enum class SdcFinalUpdate { automatic, last_node, quadrature, extrapolation };
 
@@ -197,6 +197,7 @@ struct SdcOptions {
   SdcSplitting splitting = SdcSplitting::preconditioned;
   SdcImplicit implicit = SdcImplicit::diffusion;
   SdcSolver implicit_solver = SdcSolver::automatic;
+  double linear_tolerance = 1e-5;
 
   bool operator==(const SdcOptions&) const = default;
 };

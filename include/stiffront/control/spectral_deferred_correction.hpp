@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "stiffront/control/collocation.hpp"
@@ -74,6 +75,7 @@ class SpectralDeferredCorrection final : public Method {
   void accept(Field& u, Field& u_new) override;
   void restart(double t) override;
   void visit_state(StateVisitor& visitor) override;
+  std::string closing_note() const override { return implicit_->closing_note(); }
 
   /// Right-hand sides evaluated since construction.
   std::int64_t evaluations() const { return evaluations_; }
