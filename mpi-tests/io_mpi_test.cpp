@@ -399,8 +399,7 @@ struct MadeUpRun {
       r.attempt.accepted = true;
       Field u = state(r.t);
       Field u_new = state(r.t + r.dt);
-      output->before_attempt();
-      output->attempted(r);
+      output->attempted(r, 0.0);
       output->stepped(r, r.t + r.dt, u, u_new);
     }
   }

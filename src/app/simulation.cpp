@@ -134,7 +134,6 @@ class RunObserver final : public Observer {
 
   std::uint64_t requests() override {
     watchdog_->reset("in a step");
-    output_->before_attempt();
     attempt_began_ = wall_seconds();
     std::uint64_t flags = signals_.take();
     if (comm_->is_root()) {
@@ -149,13 +148,14 @@ class RunObserver final : public Observer {
   }
   void attempted(const StepRecord& record) override {
     watchdog_->reset("after a step");
-    slowest_attempt_ = std::max(slowest_attempt_, wall_seconds() - attempt_began_);
+    const double took = wall_seconds() - attempt_began_;
+    slowest_attempt_ = std::max(slowest_attempt_, took);
     memory_->work += record.attempt.work;
     if (record.attempt.accepted || !record.attempt.failure) failures.clear();
     if (record.attempt.failure) failures.push_back(*record.attempt.failure);
     errors.add(record);
     if (!record.attempt.reason.empty() && record.attempt.accepted) note = record.attempt.reason;
-    output_->attempted(record);
+    output_->attempted(record, took);
     progress_->attempted(record);
   }
   void stepped(const StepRecord& record, double t_new, Field& u, Field& u_new) override {

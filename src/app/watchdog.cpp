@@ -12,7 +12,7 @@
 
 namespace stiffront::app {
 
-Watchdog::Watchdog(int rank, double limit_seconds) : rank_(rank), limit_(limit_seconds), last_(wall_seconds()) {
+Watchdog::Watchdog(int rank, double limit_seconds) : rank_(rank), limit_(limit_seconds) {
   if (limit_ > 0.0) thread_ = std::thread(&Watchdog::watch, this);
 }
 
@@ -28,20 +28,24 @@ Watchdog::~Watchdog() {
 
 void Watchdog::reset(const char* next) {
   phase_.store(next, std::memory_order_relaxed);
-  last_.store(wall_seconds(), std::memory_order_relaxed);
+  achieved_.store(achieved_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
 void Watchdog::watch() {
   constexpr double period = 0.5;  // seconds
   std::unique_lock<std::mutex> lock(mutex_);
   double stopped = 0.0;           // of this process, since the last achievement
-  double achieved = 0.0;
+  std::uint64_t achieved = 0;
   double looked = wall_seconds();
+  double last = looked;
   while (!wake_.wait_for(lock, std::chrono::duration<double>(period), [this] { return done_; })) {
     const double now = wall_seconds();
-    const double last = last_.load(std::memory_order_relaxed);
-    if (last != achieved) stopped = 0.0;
-    achieved = last;
+    const std::uint64_t count = achieved_.load(std::memory_order_relaxed);
+    if (count != achieved) {
+      achieved = count;
+      last = now;
+      stopped = 0.0;
+    }
     if (now - looked > 10.0 * period) stopped += now - std::max(looked, last);
     looked = now;
     const double idle = now - last - stopped;

@@ -8,8 +8,12 @@
 namespace stiffront {
 namespace {
 
-/// The tolerance over the error aimed at.
+/// The tolerance over the error aimed at; at low order while the step still grows from the first one. Those few steps,
+/// each longer than all before, would otherwise leave half of the error of a run of thousands of steps.
 constexpr double bias = 3.0;
+constexpr double bias_of_start = 30.0;
+constexpr double end_of_start = 0.1;
+constexpr int highest_order_of_start = 3;
 constexpr double worth_raising = 1.2;
 constexpr double worth_lowering = 0.9;
 /// Largest ratio of a step to the one before, by order, if held for order + 1 steps: disturbances then grow by factors
@@ -28,13 +32,13 @@ constexpr double damping_factor = 0.85;
 constexpr int trial_steps = 100;
 constexpr double growing = 1.3;
 
-/// The step ratio that brings the error to the one aimed at.
-double ratio_for(double error, int order) {
-  if (std::isnan(error)) return 0.0;
-  return error > 0.0 ? std::pow(bias * error, -1.0 / (order + 1)) : std::numeric_limits<double>::infinity();
-}
-
 }  // namespace
+
+double BdfControl::ratio_for(double error, int order) const {
+  if (std::isnan(error)) return 0.0;
+  const double aim = is_starting_ && order <= highest_order_of_start ? bias_of_start : bias;
+  return error > 0.0 ? std::pow(aim * error, -1.0 / (order + 1)) : std::numeric_limits<double>::infinity();
+}
 
 double BdfControl::accepted(double dt, const BdfErrors& errors, const std::function<double(int, double)>& limit) {
   rejections_ = 0;
@@ -43,6 +47,7 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
     watch_for_ringing(dt);
     return std::min(dt, limit(order_, std::numeric_limits<double>::infinity()));
   }
+  if (errors.same > end_of_start) is_starting_ = false;
   double ratio = ratio_for(errors.same, order_);
   int next = order_;
   const double lower = order_ > 1 ? ratio_for(errors.lower, order_ - 1) : 0.0;
@@ -83,8 +88,18 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
     held_ = 0;
     order_ = next;
     dt_next = std::min(std::max(target, 0.5 * dt), max_growth[static_cast<std::size_t>(order_)] * dt);
+  } else if (may_raise) {
+    is_starting_ = false;
   }
+  room_ = target / dt_next;
   return std::min(dt_next, limit(order_, std::numeric_limits<double>::infinity()));
+}
+
+int BdfControl::likely_alike() const {
+  constexpr double calm = 1.05;  // a step is near enough to the end of its range to leave it
+  if (phase_ == Phase::damping || room_ < calm * worth_lowering) return 1;
+  if (held_ > order_ && calm * room_ > worth_raising) return 1;
+  return order_ - held_ % (order_ + 1) + 1;
 }
 
 void BdfControl::watch_for_ringing(double dt) {
@@ -136,6 +151,8 @@ double BdfControl::largest_error() const {
 
 double BdfControl::rejected(double dt, double error) {
   held_ = 0;
+  is_starting_ = false;
+  room_ = 0.0;
   ++rejections_;
   if (phase_ == Phase::damping) {
     // Order 1 is too rough for the rest of the solution.
@@ -161,7 +178,8 @@ std::vector<double> BdfControl::state() const {
           suspected_dt_,
           static_cast<double>(quiet_order_),
           static_cast<double>(patience_),
-          static_cast<double>(quiet_patience_)};
+          static_cast<double>(quiet_patience_),
+          is_starting_ ? 1.0 : 0.0};
 }
 
 void BdfControl::set_state(const std::vector<double>& numbers) {
@@ -178,6 +196,8 @@ void BdfControl::set_state(const std::vector<double>& numbers) {
   quiet_order_ = integer(9);
   patience_ = integer(10);
   quiet_patience_ = integer(11);
+  is_starting_ = integer(12) != 0;
+  room_ = 0.0;
 }
 
 }  // namespace stiffront

@@ -108,55 +108,42 @@ bool bdf_add_difference(const Field& v, const ConstRows& reference, const BdfTol
 
 namespace {
 
-template <std::size_t points>
-void add_order_differences(const Field& v, const ConstRows& predictor, std::span<const Field* const> states,
-                           const BdfWeights& lower, const BdfWeights& upper, const BdfTolerances& tolerances,
-                           const FreeBox& box, const BdfOrderSums& sums, std::span<Pack> extremes) {
+template <bool with_upper>
+void add_order_differences(const Field& v, const BdfPredictors& predictors, const BdfTolerances& tolerances, const FreeBox& box,
+                           const BdfOrderSums& sums, std::span<Pack> extremes) {
   const Pack relative(tolerances.relative);
-  const auto n_species = static_cast<std::size_t>(v.n_species());
+  const int n_species = v.n_species();
+  const double* const absolute = tolerances.absolute.data();
+  Pack* const largest = extremes.data();
   const std::ptrdiff_t stride = v.species_stride();
-  Pack to_lower[points];
-  Pack to_upper[points];
-  for (std::size_t k = 0; k < points; ++k) {
-    to_lower[k] = Pack(lower[k]);
-    to_upper[k] = Pack(upper[k]);
-  }
   ReproducibleSum total_lower = sums.lower;
   ReproducibleSum total = sums.same;
   ReproducibleSum total_upper = sums.upper;
   for (int j = box.j_begin; j < box.j_end; ++j) {
-    const double* v_row = v.row(0, j);
-    const double* p_row = predictor.row(0, j);
-    const double* state_row[points];
-    for (std::size_t k = 0; k < points; ++k) state_row[k] = states[k]->row(0, j);
+    const double* const v_row = v.row(0, j);
+    const double* const same_row = predictors.same.row(0, j);
+    const double* const lower_row = predictors.lower.row(0, j);
+    const double* const upper_row = with_upper ? predictors.upper.row(0, j) : nullptr;
     for_each_overlapping_pack(box.i_begin, box.i_end, [&](int i, int n, Mask fresh) __attribute__((always_inline)) {
       Pack low(0.0);
       Pack same(0.0);
       Pack high(0.0);
-      for (std::size_t s = 0; s < n_species; ++s) {
-        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(s) * stride + i;
-        const std::ptrdiff_t p_at = static_cast<std::ptrdiff_t>(s) * predictor.species_stride + i;
-        const Pack x = load(v_row + at, n);
-        Pack off_lower = x;
-        Pack off_upper = x;
-        for (std::size_t k = 0; k < points; ++k) {
-          const Pack y = load(state_row[k] + at, n);
-          off_lower = neg_mul_add(to_lower[k], y, off_lower);
-          off_upper = neg_mul_add(to_upper[k], y, off_upper);
-        }
-        const Pack scale = Pack(1.0) / mul_add(relative, abs(x), Pack(tolerances.absolute[s]));
-        const Pack off = (x - load(p_row + p_at, n)) * scale;
-        off_lower *= scale;
-        off_upper *= scale;
-        low = mul_add(off_lower, off_lower, low);
-        same = mul_add(off, off, same);
-        high = mul_add(off_upper, off_upper, high);
-        extremes[s] = max(extremes[s], x);
-        extremes[n_species + s] = max(extremes[n_species + s], -x);
+      for (int s = 0; s < n_species; ++s) {
+        const Pack x = load(v_row + s * stride + i, n);
+        const Pack scale = Pack(1.0) / mul_add(relative, abs(x), Pack(absolute[s]));
+        const auto add = [&](const double* row, std::ptrdiff_t row_stride, Pack& squares) __attribute__((always_inline)) {
+          const Pack off = (x - load(row + s * row_stride + i, n)) * scale;
+          squares = mul_add(off, off, squares);
+        };
+        add(lower_row, predictors.lower.species_stride, low);
+        add(same_row, predictors.same.species_stride, same);
+        if constexpr (with_upper) add(upper_row, predictors.upper.species_stride, high);
+        largest[s] = max(largest[s], x);
+        largest[n_species + s] = max(largest[n_species + s], -x);
       }
       total_lower.add(low * low, fresh);
       total.add(same * same, fresh);
-      total_upper.add(high * high, fresh);
+      if constexpr (with_upper) total_upper.add(high * high, fresh);
     });
   }
   sums.lower = total_lower;
@@ -166,26 +153,10 @@ void add_order_differences(const Field& v, const ConstRows& predictor, std::span
 
 }  // namespace
 
-void bdf_add_order_differences(const Field& v, const ConstRows& predictor, std::span<const Field* const> states,
-                               const BdfWeights& lower, const BdfWeights& upper, const BdfTolerances& tolerances,
+void bdf_add_order_differences(const Field& v, const BdfPredictors& predictors, bool with_upper, const BdfTolerances& tolerances,
                                const FreeBox& box, const BdfOrderSums& sums, std::span<Pack> extremes) {
-  const auto add = [&]<std::size_t points>() {
-    add_order_differences<points>(v, predictor, states, lower, upper, tolerances, box, sums, extremes);
-  };
-  switch (states.size()) {
-    case 1:
-      return add.template operator()<1>();
-    case 2:
-      return add.template operator()<2>();
-    case 3:
-      return add.template operator()<3>();
-    case 4:
-      return add.template operator()<4>();
-    case 5:
-      return add.template operator()<5>();
-    default:
-      return add.template operator()<6>();
-  }
+  with_upper ? add_order_differences<true>(v, predictors, tolerances, box, sums, extremes)
+             : add_order_differences<false>(v, predictors, tolerances, box, sums, extremes);
 }
 
 }  // namespace stiffront

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -18,9 +19,6 @@
 
 namespace stiffront {
 namespace {
-
-/// The largest step at this order and number of sweeps times the spectral radius.
-double usable_z(int order, int sweeps) { return sbdf_z_safety(order) * sbdf_z_limit(order, sweeps); }
 
 /// Parts of the diffusion in the matrices of the Newton iterations on a line. The fourth-order operator is 1 to 4/3
 /// times the second-order one, and these leave at most 1/45 of the predictor's error in any mode: less than BDF5 bears.
@@ -85,17 +83,28 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
       interior_(free_),
       has_neighbours_(false),
       cells_(static_cast<double>(diffusion_->boundary().free_points(shape.decomposition().grid()))),
-      rho_(diffusion_->spectral_radius()),
       control_(options_.max_order),
       extremes_(2 * static_cast<std::size_t>(shape.n_species()), 0.0),
       absolute_(options_.absolute_tolerance),
       predictor_(shape.similar()),
       right_side_(shape.similar()),
       work_(shape.similar()),
-      step_extremes_(2 * static_cast<std::size_t>(shape.n_species()), Pack(0.0)),
       agreement_(3, 2 * shape.n_species() + 1) {
   if (SbdfWavefront::serves(shape.decomposition(), diffusion_->boundary()))
-    wavefront_.emplace(shape, *diffusion_, *kernel_, options_.max_sweeps, options_.wavefront_depth);
+    wavefront_.emplace(shape, *diffusion_, *kernel_, options_.max_sweeps, options_.wavefront_depth, options_.wavefront_steps);
+  const double rho = diffusion_->spectral_radius();
+  economic_steps_.fill(std::numeric_limits<double>::infinity());
+  for (int order = 1; order <= sbdf_max_order; ++order) {
+    for (std::size_t i = 0; i < sbdf_sweep_counts.size(); ++i) {
+      const double z = sbdf_z_safety(order) * sbdf_z_limit(order, sbdf_sweep_counts[i]);
+      longest_steps_[static_cast<std::size_t>(order)][i] = z / rho;
+    }
+    economic_steps_[static_cast<std::size_t>(order)] = cap_step(order, std::numeric_limits<double>::infinity());
+  }
+  for (Made& made : made_) made.extremes.resize(2 * static_cast<std::size_t>(shape.n_species()));
+  if (wavefront_) {
+    for (int k = 1; k < wavefront_->steps_together(1); ++k) ahead_.push_back(predictor_.similar());
+  }
   absolute_.resize(static_cast<std::size_t>(shape.n_species()), 0.0);
   const Decomposition& decomposition = shape.decomposition();
   for (int i = 0; i < options_.max_order; ++i) history_.push_back(predictor_.similar());
@@ -121,24 +130,26 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
 
 Sbdf::Treatment Sbdf::treatment(int order, double dt) const {
   Treatment best;
-  for (int s : sbdf_sweep_counts) {
-    if (s > options_.max_sweeps) break;
-    best = {s, static_cast<double>(s)};
-    if (usable_z(order, s) >= dt * rho_) break;
+  double longest = 0.0;
+  for (std::size_t i = 0; i < sbdf_sweep_counts.size() && sbdf_sweep_counts[i] <= options_.max_sweeps && longest < dt; ++i) {
+    best = {sbdf_sweep_counts[i], static_cast<double>(sbdf_sweep_counts[i])};
+    longest = longest_steps_[static_cast<std::size_t>(order)][i];
   }
   if (diffusion_->dimension() == 1) {
     const double passes = static_cast<double>(line_factors(diffusion_->order()).size());
     const double cost = passes * line_cost(diffusion_->n_species());
-    if (cost < best.cost || usable_z(order, best.sweeps) < dt * rho_) best = {0, cost};
+    if (cost < best.cost || longest < dt) best = {0, cost};
   }
   return best;
 }
 
 double Sbdf::cap_step(int order, double dt) const {
+  const double economic = economic_steps_[static_cast<std::size_t>(order)];
+  if (dt > economic) return economic;
   // Largest step per cost; a step costs its sweeps and the work on the history.
   const double overhead = 1.5 + 0.35 * order;
   double best = 0.0;
-  double best_dt = std::min(dt, usable_z(order, 1) / rho_);
+  double best_dt = 0.0;
   const auto consider = [&](double h, double cost) {
     const double rate = h / (cost + overhead);
     if (rate > best) {
@@ -146,22 +157,22 @@ double Sbdf::cap_step(int order, double dt) const {
       best_dt = h;
     }
   };
-  for (int s : sbdf_sweep_counts) {
-    if (s > options_.max_sweeps) break;
-    const double h = std::min(dt, usable_z(order, s) / rho_);
-    consider(h, s);
-    if (h == dt) break;
+  double longest = 0.0;
+  for (std::size_t i = 0; i < sbdf_sweep_counts.size() && sbdf_sweep_counts[i] <= options_.max_sweeps && longest < dt; ++i) {
+    longest = longest_steps_[static_cast<std::size_t>(order)][i];
+    consider(std::min(dt, longest), sbdf_sweep_counts[i]);
   }
   const Treatment whole = treatment(order, dt);
   if (whole.sweeps == 0) consider(dt, whole.cost);
   return best_dt;
 }
 
-Sbdf::Step Sbdf::plan(double dt) const {
+Sbdf::Step Sbdf::plan(double dt, int ahead) const {
   Step step;
+  const std::size_t states = std::min(states_ + static_cast<std::size_t>(ahead), history_.size() + 1);
   step.order = control_.order();
   step.sweeps = treatment(step.order, dt).sweeps;
-  if (states_ == 1) {
+  if (states == 1) {
     // u + dt F(u): the error of the first implicit Euler step is half of its difference to the explicit one.
     step.points = 2;
     step.gamma = dt;
@@ -173,16 +184,16 @@ Sbdf::Step Sbdf::plan(double dt) const {
   const auto k = static_cast<std::size_t>(step.order);
   step.points = k + 1;
   std::array<double, bdf_max_points + 1> steps{};
-  steps[0] = dt;
   double back = dt;
-  for (std::size_t i = 1; i < states_ && i < steps.size(); ++i) steps[i] = steps_[i - 1];
+  const auto same = static_cast<std::size_t>(ahead) + 1;
+  for (std::size_t i = 0; i < states && i < steps.size(); ++i) steps[i] = i < same ? dt : steps_[i - same];
   for (std::size_t i = 1; i <= k; ++i) back += steps[i];
   const auto weights = sbdf_stability::step_weights(step.order, steps);
   step.gamma = weights.gamma * dt;
   step.error_factor = step.gamma / back;
   std::copy(weights.predictor.begin(), weights.predictor.end(), step.predictor.begin());
   std::copy(weights.history.begin(), weights.history.end(), step.history.begin());
-  step.tests_order = control_.wants_order_test();
+  step.tests_order = control_.wants_order_test(ahead);
   if (step.tests_order) {
     if (step.order > 1) {
       const auto lower = sbdf_stability::step_weights(step.order - 1, steps);
@@ -193,18 +204,13 @@ Sbdf::Step Sbdf::plan(double dt) const {
       const auto second = sbdf_stability::step_weights(2, steps);
       std::copy(second.predictor.begin(), second.predictor.end(), step.upper.begin());
       step.second_factor = second.gamma * dt / (steps[0] + steps[1] + steps[2]);
-    } else if (step.order < control_.highest_order() && states_ >= k + 2) {
+    } else if (step.order < control_.highest_order() && states >= k + 2) {
       const auto upper = sbdf_stability::step_weights(step.order + 1, steps);
       std::copy(upper.predictor.begin(), upper.predictor.end(), step.upper.begin());
       step.upper_factor = upper.gamma * dt / (back + steps[k + 1]);
     }
   }
   return step;
-}
-
-void Sbdf::gather_states(const Field& u) {
-  pointers_[0] = &u;
-  for (std::size_t i = 1; i < bdf_max_points && i <= history_.size(); ++i) pointers_[i] = &ring(i - 1);
 }
 
 void Sbdf::update_tolerances(std::span<const double> extremes) {
@@ -306,29 +312,22 @@ std::span<const double> Sbdf::shifts_of(const Step& step) const {
   return step.sweeps == 0 ? line_factors(diffusion_->order()) : sbdf_shifts(step.order, step.sweeps);
 }
 
-void Sbdf::add_errors(const Step& step, const Field& u_new, const ConstRows& predictor, const FreeBox& box) {
+void Sbdf::add_errors(Made& made, const Field& u_new, const BdfPredictors& predictors, bool tested, const FreeBox& box) {
   const BdfTolerances tolerances{options_.relative_tolerance, absolute_};
-  if (!step.tests_order) {
-    is_negative_ |= bdf_add_difference(u_new, predictor, tolerances, box, agreement_.sums[0]);
-    return;
+  if (!made.step.tests_order) {
+    made.is_negative |= bdf_add_difference(u_new, predictors.same, tolerances, box, made.sums[0]);
+  } else if (tested) {
+    const bool with_upper = made.step.upper_factor > 0.0 || made.step.second_factor > 0.0;
+    bdf_add_order_differences(u_new, predictors, with_upper, tolerances, box, {made.sums[1], made.sums[0], made.sums[2]},
+                              made.extremes);
   }
-  const std::span<const Field* const> states(pointers_.data(), std::min({states_, step.points + 1, history_.size() + 1}));
-  bdf_add_order_differences(u_new, predictor, states, step.lower, step.upper, tolerances, box,
-                            {agreement_.sums[1], agreement_.sums[0], agreement_.sums[2]}, step_extremes_);
 }
 
-void Sbdf::step_to(const Step& step, double t_new, Field& u_new) {
-  const std::span<const Field* const> states(pointers_.data(), step.points);
-  const auto shifts = shifts_of(step);
-  const bool on_line = step.sweeps == 0;
-  if (wavefront_ && !on_line) {
-    // One reference is all the callback holds, so that it is made without an allocation.
-    const auto add = [&, this](const FreeBox& box, const ConstRows& p) { add_errors(step, u_new, p, box); };
-    wavefront_->run({t_new, step.gamma, states, step.predictor, step.history, shifts}, predictor_, right_side_, work_,
-                    u_new, std::cref(add));
-    return;
-  }
+void Sbdf::make_by_sweeps(const Made& made, std::span<const Field* const> states, Field& u_new) {
+  const double t_new = made.t + made.dt;
+  const Step& step = made.step;
   bdf_combine(states, step.predictor, step.history, rows_of(predictor_), rows_of(right_side_), free_);
+  const auto shifts = shifts_of(step);
   const auto passes = static_cast<int>(shifts.size());
   const Boundary& boundary = diffusion_->boundary();
   if (boundary.has_dirichlet()) {
@@ -342,10 +341,76 @@ void Sbdf::step_to(const Step& step, double t_new, Field& u_new) {
     Field* const exchanged = v;
     halo_.begin(std::span<Field* const>(&exchanged, 1));
     const double shift = shifts[static_cast<std::size_t>(j)];
-    on_line ? iterate_line(step, t_new, *v, *out, shift) : sweep(step, t_new, *v, *out, shift);
+    step.sweeps == 0 ? iterate_line(step, t_new, *v, *out, shift) : sweep(step, t_new, *v, *out, shift);
     v = out;
   }
-  add_errors(step, u_new, rows_of(std::as_const(predictor_)), free_);
+}
+
+bool Sbdf::take_made(double t, double dt, const Step& step, Field& u_new) {
+  if (next_made_ >= made_count_) return false;
+  const Made& made = made_[next_made_];
+  if (made.t != t || made.dt != dt || !(made.step == step)) return false;
+  swap(u_new, ahead_[next_made_ - 1]);
+  ++next_made_;
+  return true;
+}
+
+void Sbdf::make_steps(double t, double dt, const Step& step, const Field& u, Field& u_new) {
+  const bool in_wavefront = wavefront_ && step.sweeps > 0;
+  made_count_ = 1;
+  if (in_wavefront && !ahead_.empty()) {
+    made_count_ = static_cast<std::size_t>(std::min(control_.likely_alike(), wavefront_->steps_together(step.sweeps)));
+  }
+  next_made_ = 1;
+  double t_made = t;
+  for (std::size_t k = 0; k < made_count_; ++k) {
+    Made& made = made_[k];
+    made.t = t_made;
+    made.dt = dt;
+    made.step = k == 0 ? step : plan(dt, static_cast<int>(k));
+    for (ReproducibleSum& sum : made.sums) sum.reset();
+    std::fill(made.extremes.begin(), made.extremes.end(), Pack(0.0));
+    made.is_negative = false;
+    t_made += dt;
+  }
+  // The states from the newest that any of the steps starts from.
+  std::array<const Field*, bdf_max_points + SbdfWavefront::max_steps> states{};
+  std::size_t known = 0;
+  for (std::size_t k = made_count_ - 1; k > 0; --k) states[known++] = k == 1 ? &u_new : &ahead_[k - 2];
+  states[known++] = &u;
+  for (std::size_t i = 0; i < history_.size(); ++i) states[known++] = &ring(i);
+  const auto states_of = [&](std::size_t k, std::size_t count) {
+    return std::span<const Field* const>(states).subspan(made_count_ - 1 - k, count);
+  };
+  const auto tested_states = [&](std::size_t k) {
+    const Step& s = made_[k].step;
+    return states_of(k, s.tests_order ? std::min({states_ + k, s.points + 1, history_.size() + 1}) : s.points);
+  };
+
+  if (in_wavefront) {
+    std::array<SbdfWavefront::Step, SbdfWavefront::max_steps> steps;
+    for (std::size_t k = 0; k < made_count_; ++k) {
+      const Step& s = made_[k].step;
+      steps[k] = {made_[k].t + dt, s.gamma,  tested_states(k), static_cast<int>(s.points), s.predictor, s.history, s.tests_order,
+                  s.lower,         s.upper,  shifts_of(s),     k == 0 ? &u_new : &ahead_[k - 1]};
+    }
+    // One reference is all the callback holds, so that it is made without an allocation.
+    const auto add = [&, this](std::size_t k, const FreeBox& box, const BdfPredictors& predictors, bool tested) {
+      add_errors(made_[k], *steps[k].u_new, predictors, tested, box);
+    };
+    wavefront_->run(std::span(steps).first(made_count_), predictor_, right_side_, work_, std::cref(add));
+    if (!step.tests_order || wavefront_->tests_on_the_way(step.sweeps)) return;
+  } else {
+    make_by_sweeps(made_[0], states_of(0, step.points), u_new);
+  }
+  // Sweeps are over: their fields serve the predictors of other orders.
+  BdfPredictors predictors{rows_of(std::as_const(predictor_)), {}, {}};
+  if (step.tests_order) {
+    bdf_combine(tested_states(0), step.lower, step.upper, rows_of(work_), rows_of(right_side_), free_);
+    predictors.lower = rows_of(std::as_const(work_));
+    predictors.upper = rows_of(std::as_const(right_side_));
+  }
+  add_errors(made_[0], u_new, predictors, step.tests_order, free_);
 }
 
 Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
@@ -353,15 +418,14 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   attempt.iterations = control_.order();
   if (states_ == 1) ensure_slope(t, u);
   if (absolute_[0] == 0.0) update_tolerances(extremes_);
-  gather_states(u);
   const Step step = plan(dt);
   const double t_new = t + dt;
 
-  for (ReproducibleSum& sum : agreement_.sums) sum.reset();
-  std::fill(step_extremes_.begin(), step_extremes_.end(), Pack(0.0));
+  if (!take_made(t, dt, step, u_new)) make_steps(t, dt, step, u, u_new);
+  const Made& made = made_[next_made_ - 1];
+  bool is_negative = made.is_negative;
+  std::copy(made.sums.begin(), made.sums.end(), agreement_.sums.begin());
   std::fill(agreement_.maxima.begin(), agreement_.maxima.end(), 0.0);
-  is_negative_ = false;
-  step_to(step, t_new, u_new);
   const auto passes = static_cast<std::int64_t>(shifts_of(step).size());
   const auto cells = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
   (step.sweeps == 0 ? attempt.work.line_solves : attempt.work.sweeps) = passes;
@@ -371,15 +435,15 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   BdfErrors errors;
   agreement_.flags = flags;
   if (step.tests_order) {
-    for (std::size_t s = 0; s < step_extremes_.size(); ++s) agreement_.maxima[s] = max_lane(step_extremes_[s]);
+    for (std::size_t s = 0; s < made.extremes.size(); ++s) agreement_.maxima[s] = max_lane(made.extremes[s]);
     const auto sizes = agreement_.maxima.begin();  // largest v_s, then largest -v_s
-    is_negative_ = std::any_of(sizes + u.n_species(), sizes + 2 * u.n_species(), [](double x) { return x > 0.0; });
+    is_negative = std::any_of(sizes + u.n_species(), sizes + 2 * u.n_species(), [](double x) { return x > 0.0; });
     if (control_.wants_quiet_order()) {
       agreement_.maxima.back() =
           options_.max_order - highest_quiet_order(options_.max_order, t_new, control_.suspected_dt(), u_new, *model_, free_);
     }
   }
-  if (is_negative_) agreement_.flags |= step_flags::negative;
+  if (is_negative) agreement_.flags |= step_flags::negative;
   comm_->agree(agreement_);
   if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
   if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);
@@ -396,6 +460,7 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   attempt.accepted = errors.same <= control_.largest_error() && !refused;
   attempted_dt_ = dt;
   if (!attempt.accepted) {
+    made_count_ = 0;
     attempt.dt_next = control_.rejected(dt, errors.same);
     attempt.dt_next = std::min(attempt.dt_next, cap_step(control_.order(), attempt.dt_next));
     if (refused) {
@@ -437,6 +502,7 @@ void Sbdf::accept(Field& u, Field& u_new) {
 
 void Sbdf::restart(double t) {
   static_cast<void>(t);
+  made_count_ = 0;
   states_ = 1;
   has_slope_ = false;
   control_.restart();
@@ -461,6 +527,7 @@ std::string Sbdf::closing_note() const {
 }
 
 void Sbdf::visit_state(StateVisitor& visitor) {
+  made_count_ = 0;
   std::vector<double> control = control_.state();
   visitor.numbers("control", control);
   control_.set_state(control);

@@ -2,9 +2,16 @@
 #include "stiffront/core/reproducible_sum.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace stiffront {
+namespace {
+
+/// 2^n for n in -1022 .. 1023; ldexp is a call, and a step of a small problem makes dozens.
+double power_of_two(int n) { return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
+
+}  // namespace
 
 ReproducibleSum::ReproducibleSum() {
   for (Pack& p : part_) p = Pack(0.0);
@@ -12,9 +19,9 @@ ReproducibleSum::ReproducibleSum() {
 
 void ReproducibleSum::set_top(int top) {
   top_ = top;
-  bound_ = std::ldexp(1.0, bin_bits * (top + 1));
+  bound_ = power_of_two(bin_bits * (top + 1));
   // 1.5 * 2^52 units: adding it rounds to a multiple of the unit, subtracting it again is exact.
-  for (int k = 0; k < levels; ++k) offset_[k] = std::ldexp(1.5, 52 + bin_bits * (top - k));
+  for (int k = 0; k < levels; ++k) offset_[k] = 1.5 * power_of_two(52 + bin_bits * (top - k));
 }
 
 void ReproducibleSum::flush() {
@@ -22,8 +29,8 @@ void ReproducibleSum::flush() {
     for (int k = 0; k < levels; ++k) {
       // In units of the bin, in two factors since the inverse of the smallest unit overflows.
       const int exponent = -bin_bits * (top_ - k);
-      const double half = std::ldexp(1.0, exponent / 2);
-      const double rest = std::ldexp(1.0, exponent - exponent / 2);
+      const double half = power_of_two(exponent / 2);
+      const double rest = power_of_two(exponent - exponent / 2);
       for (int l = 0; l < pack_size; ++l) total_[k] += static_cast<std::int64_t>((part_[k][l] * half) * rest);
       part_[k] = Pack(0.0);
     }
@@ -83,7 +90,10 @@ double ReproducibleSum::value() const {
     s.total_[k - 1] += carry;
   }
   double result = 0.0;
-  for (int k = levels - 1; k >= 0; --k) result += std::ldexp(static_cast<double>(s.total_[k]), bin_bits * (s.top_ - k));
+  for (int k = levels - 1; k >= 0; --k) {
+    const int exponent = bin_bits * (s.top_ - k);  // in two factors since the smallest unit is no normal number
+    result += static_cast<double>(s.total_[k]) * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2);
+  }
   return result;
 }
 

@@ -43,20 +43,13 @@ void Output::resume(std::int64_t accepted) {
   });
 }
 
-void Output::before_attempt() { attempt_began_ = wall_seconds(); }
-
-void Output::attempted(const StepRecord& record) {
-  const double took = wall_seconds() - attempt_began_;
-  const ScopedTimer timer(seconds_);
-  history_.add(record, took);
-}
-
 int Output::stepped(const StepRecord& record, double t_new, Field& u, Field& u_new) {
-  const ScopedTimer timer(seconds_);
   const std::int64_t step = record.step + 1;
   probes_.add(step, t_new, u_new);
   const bool at_end = options_.times.due_at(t_new, step);
   const std::vector<double> inside = options_.land ? std::vector<double>() : options_.times.between(record.t, t_new);
+  if (inside.empty() && !at_end) return 0;
+  const ScopedTimer timer(seconds_);
   if (!inside.empty()) {
     const StepInterpolation interpolation(*rhs_, record.begin, u, record.end, u_new);
     Field state = u.similar();
@@ -68,9 +61,8 @@ int Output::stepped(const StepRecord& record, double t_new, Field& u, Field& u_n
     }
   }
   if (at_end) write(step, 0, t_new, false, u_new);
-  const int written = static_cast<int>(inside.size()) + (at_end ? 1 : 0);
-  if (written > 0) flush();
-  return written;
+  flush();
+  return static_cast<int>(inside.size()) + (at_end ? 1 : 0);
 }
 
 void Output::flush() {

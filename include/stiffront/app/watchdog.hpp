@@ -2,6 +2,7 @@
 #pragma once
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <mutex>
 #include <thread>
 
@@ -26,7 +27,7 @@ class Watchdog {
 
   int rank_;
   double limit_;
-  std::atomic<double> last_;
+  std::atomic<std::uint64_t> achieved_{0};  ///< counted, not timed: a step of a small problem is shorter than some clock readings
   std::atomic<const char*> phase_{"at the start"};
   bool done_ = false;
   std::mutex mutex_;

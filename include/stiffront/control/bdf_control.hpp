@@ -17,7 +17,7 @@ struct BdfErrors {
 
 /// Step size and order of a variable-step, variable-order BDF method, from error estimates alone.
 ///
-/// It aims at a third of the tolerance. A changed step is held for order + 1 steps before it is raised again, and
+/// It aims at a third of the tolerance, and at a thirtieth at the low orders of a start. A changed step is held for order + 1 steps before it is raised again, and
 /// raised only if that gains a fifth; it is lowered at once if the next error would come close to the tolerance. The
 /// order with the largest step is taken; it is reconsidered every order + 1 steps.
 ///
@@ -40,6 +40,11 @@ class BdfControl {
   bool wants_quiet_order() const { return suspicion_ == Suspicion::of_modes && order_ > 2; }
   /// The step for which it should be found: the largest of those that did not grow.
   double suspected_dt() const { return suspected_dt_; }
+  /// The same of the step after `ahead` more, if these are accepted and change neither size nor order.
+  bool wants_order_test(int ahead) const { return max_order_ > 1 && (held_ + ahead) % (order_ + 1) == order_; }
+  /// How many of the next steps are likely to have the size and order of the first of them; at most the last is a test of
+  /// other orders. A guess, for work that may be done ahead and thrown away.
+  int likely_alike() const;
   /// The highest order that may be used next.
   int highest_order() const;
   /// The largest error of a step to be taken. Steps that damp ringing may miss the tolerance by a factor: the error at
@@ -62,12 +67,16 @@ class BdfControl {
  private:
   enum class Suspicion { none, of_errors, of_modes };
   enum class Phase { free, damping, trial, quiet };
+  /// The step ratio that brings the error to the one aimed at.
+  double ratio_for(double error, int order) const;
   void watch_for_ringing(double dt);
 
   int max_order_;
   int order_ = 1;
   int held_ = 0;        ///< accepted steps since step or order changed
   int rejections_ = 0;  ///< in a row
+  bool is_starting_ = true;  ///< the step has grown whenever it might, since the first one
+  double room_ = 0.0;        ///< the step the last error would allow, over the step chosen
 
   Phase phase_ = Phase::free;
   Suspicion suspicion_ = Suspicion::none;

@@ -45,12 +45,18 @@ struct BdfOrderSums {
   ReproducibleSum& upper;
 };
 
+/// Predictors at the points of some box.
+struct BdfPredictors {
+  ConstRows same;
+  ConstRows lower;  ///< of the neighbouring orders, in a test of them
+  ConstRows upper;
+};
+
 /// Gathers them in one pass.
-/// @param lower, upper weights of those predictors on the states
+/// @param with_upper whether the upper sum is wanted
 /// @param extremes largest v_s and then largest -v_s so far, one pack per species each, raised lane by lane where v is
 /// larger
-void bdf_add_order_differences(const Field& v, const ConstRows& predictor, std::span<const Field* const> states,
-                               const BdfWeights& lower, const BdfWeights& upper, const BdfTolerances& tolerances,
+void bdf_add_order_differences(const Field& v, const BdfPredictors& predictors, bool with_upper, const BdfTolerances& tolerances,
                                const FreeBox& box, const BdfOrderSums& sums, std::span<Pack> extremes);
 
 }  // namespace stiffront

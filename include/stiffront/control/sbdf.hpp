@@ -27,6 +27,7 @@ struct SbdfOptions {
   int max_sweeps = sbdf_max_sweeps;        ///< 1 .. sbdf_max_sweeps; steps are shortened to need no more
   double initial_step = 0.0;               ///< 0: automatic
   int wavefront_depth = 0;                 ///< sweeps per pass over memory; 0: as many as the cache holds
+  int wavefront_steps = 0;                 ///< steps per pass, at most; 0: several where the history does not stay in cache
 };
 
 /// The relative tolerance of a step in a run with this one.
@@ -51,9 +52,13 @@ double sbdf_step_tolerance(double relative_tolerance);
 /// not resolved about zero), a millionth of the largest modulus of any species. The moduli are those of the initial and
 /// of all later states.
 ///
+/// Where a pass over memory may take several steps (control/sbdf_wavefront.hpp) the next steps are made ahead when they are
+/// likely to have the same size and order. They are what those attempts will be if nothing changes, to the bit, and thrown
+/// away if something does; the counts of work leave them out.
+///
 /// @mpi    One halo exchange per sweep (diffusing species only), one agreement per step attempt; the messages of
 /// BlockTridiagonal in a step that couples all cells.
-/// @cost   per sweep and cell: one evaluation of rates and Jacobian, one m x m solve; 5 + max_order fields of memory
+/// @cost   per sweep and cell: one evaluation of rates and Jacobian, one m x m solve; 5 + max_order fields of memory, 7 + max_order where steps are made ahead
 /// @see    docs/sbdf.md; Hagstrom & Zhou, Commun. Appl. Math. Comput. Sci. 1(1), 2006, section 5 (the splitting of the
 /// Jacobian)
 class Sbdf final : public Method {
@@ -88,6 +93,17 @@ class Sbdf final : public Method {
     double second_factor = 0.0;  ///< of order 2, whose predictor then is in the place of the upper one
     BdfWeights lower{};
     BdfWeights upper{};
+
+    bool operator==(const Step&) const = default;
+  };
+  /// A step that was made: its new state is in place, what it needs to be judged here.
+  struct Made {
+    double t = 0.0;
+    double dt = 0.0;
+    Step step;
+    std::array<ReproducibleSum, 3> sums;  ///< of squared errors: at the step's own order, the lower and the upper
+    std::vector<Pack> extremes;           ///< largest v_s and then largest -v_s, by lanes
+    bool is_negative = false;             ///< somewhere
   };
 
   /// How a step deals with diffusion, and at what price in sweeps.
@@ -97,14 +113,17 @@ class Sbdf final : public Method {
   };
   Treatment treatment(int order, double dt) const;
   double cap_step(int order, double dt) const;
-  Step plan(double dt) const;
-  void gather_states(const Field& u);
+  /// The step of this size after `ahead` more of the same.
+  Step plan(double dt, int ahead = 0) const;
   void ensure_slope(double t, Field& u);
   void update_tolerances(std::span<const double> extremes);
   double norm(const ReproducibleSum& sum) const;
-  /// Makes the new state and adds up its errors.
-  void step_to(const Step& step, double t_new, Field& u_new);
-  void add_errors(const Step& step, const Field& u_new, const ConstRows& predictor, const FreeBox& box);
+  /// Makes the new state, and likely next ones, and adds up their errors.
+  void make_steps(double t, double dt, const Step& step, const Field& u, Field& u_new);
+  /// The step, if it was made ahead.
+  bool take_made(double t, double dt, const Step& step, Field& u_new);
+  void make_by_sweeps(const Made& made, std::span<const Field* const> states, Field& u_new);
+  void add_errors(Made& made, const Field& u_new, const BdfPredictors& predictors, bool tested, const FreeBox& box);
   std::span<const double> shifts_of(const Step& step) const;
   void sweep(const Step& step, double t_new, const Field& v, Field& out, double shift);
   void iterate_line(const Step& step, double t_new, const Field& v, Field& out, double c);
@@ -124,7 +143,10 @@ class Sbdf final : public Method {
   std::vector<FreeBox> edges_;
   bool has_neighbours_;
   double cells_;  ///< evolving points of the whole grid
-  double rho_;
+  /// Longest step by order and place among the numbers of sweeps; infinite where nothing diffuses.
+  std::array<std::array<double, sbdf_sweep_counts.size()>, sbdf_max_order + 1> longest_steps_{};
+  /// Longest step worth its sweeps, by order.
+  std::array<double, sbdf_max_order + 1> economic_steps_{};
 
   BdfControl control_;
   std::vector<double> extremes_;  ///< largest values of each species so far, then largest negative ones
@@ -140,10 +162,11 @@ class Sbdf final : public Method {
   Field work_;
 
   std::optional<SbdfWavefront> wavefront_;  ///< where the box is served by one
-  std::vector<Pack> step_extremes_;         ///< of the state being made, by lanes
-  bool is_negative_ = false;                ///< the state being made, somewhere
+  std::array<Made, SbdfWavefront::max_steps> made_;  ///< the step attempted and those made ahead
+  std::vector<Field> ahead_;                         ///< states of those made ahead; none where none are
+  std::size_t made_count_ = 0;                       ///< steps made at once
+  std::size_t next_made_ = 0;                        ///< the first of them not attempted yet
   Agreement agreement_;
-  std::array<const Field*, bdf_max_points> pointers_{};
   double attempted_dt_ = 0.0;
 
   std::int64_t accepted_ = 0;  ///< steps of this run, and those of them that diffusion kept from being longer

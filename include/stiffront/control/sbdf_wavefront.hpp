@@ -11,24 +11,34 @@
 
 namespace stiffront {
 
-/// A step of Sbdf in one pass over memory: predictor and right side, all sweeps and what is done with the new state
+/// Steps of Sbdf in one pass over memory: predictor and right side, all sweeps and what is done with the new state
 /// follow each other over the grid at the distance of a stencil, so that what one leaves the next finds in cache.
 ///
-/// In two dimensions they go a few rows at a time and what lies between history and new state lives in rings of rows; in one
-/// dimension they go piece by piece along the line. Every number is made by the same operations as in one pass per
-/// sweep: the bits are the same for every depth.
+/// In two dimensions they go a few rows at a time and what lies between history and new state lives in rings of rows; a
+/// step may be followed by the next ones in the same pass, which find the history in cache. In one dimension they go piece
+/// by piece along the line. Every number is made by the same operations as in one pass per sweep: the bits are the same
+/// for every depth and number of steps.
 class SbdfWavefront {
  public:
+  /// Steps in one pass.
+  static constexpr int max_steps = 3;
+
   struct Step {
     double t = 0.0;  ///< of the new state
     double gamma = 0.0;
-    std::span<const Field* const> states;  ///< newest first
+    std::span<const Field* const> states;  ///< newest first; for a test one more than the predictor needs
+    int points = 0;                        ///< of them for predictor and right side
     BdfWeights predictor{};
     BdfWeights history{};
+    bool tests_order = false;  ///< the predictors of other orders are wanted, too
+    BdfWeights lower{};
+    BdfWeights upper{};
     std::span<const double> shifts;  ///< one per sweep
+    Field* u_new = nullptr;
   };
-  /// Called for boxes in which the new state is complete, with the predictor there.
-  using Finished = std::function<void(const FreeBox&, const ConstRows& predictor)>;
+  /// Called for boxes in which the new state of a step is complete, with the predictors there.
+  /// @param tested whether those of other orders are among them
+  using Finished = std::function<void(std::size_t step, const FreeBox& box, const BdfPredictors& predictors, bool tested)>;
 
   /// Whether boxes of this kind can be stepped so: those that need nothing from other ranks, without Dirichlet sides and,
   /// in one dimension, not periodic.
@@ -36,16 +46,41 @@ class SbdfWavefront {
 
   /// @param max_sweeps the most sweeps of a step
   /// @param depth sweeps per pass over memory; 0: as many as the cache holds
+  /// @param together steps per pass over memory, at most; 0: several where the history does not stay in cache
   SbdfWavefront(const Field& shape, const DiffusionOperator& diffusion, const SbdfKernel& kernel, int max_sweeps,
-                int depth = 0);
+                int depth = 0, int together = 0);
 
+  /// How many steps of so many sweeps a pass may take.
+  int steps_together(int sweeps) const;
+  /// Whether the predictors of other orders are made on the way of a step of so many sweeps.
+  bool tests_on_the_way(int sweeps) const { return !tests_.empty() && sweeps <= depth_; }
+
+  /// @param steps at most steps_together() of them, each one's new state the newest of the next one's states
   /// @param predictor, right_side, work fields of the shape, overwritten
-  void run(const Step& step, Field& predictor, Field& right_side, Field& work, Field& u_new, const Finished& finished);
+  void run(std::span<const Step> steps, Field& predictor, Field& right_side, Field& work, const Finished& finished);
 
  private:
-  struct Pass;
-  void pass_over_rows(const Step& step, const Pass& pass, const Finished& finished);
-  void line(const Step& step, Field& predictor, Field& right_side, Field& work, Field& u_new, const Finished& finished);
+  /// Sweeps first .. last - 1 of a step, within a pass over memory.
+  struct Leg {
+    std::size_t step = 0;
+    int first = 0;
+    int last = 0;
+    const Field* from = nullptr;  ///< the state before; nullptr: the predictor, to be made from the history
+    Field* to = nullptr;
+    Field* predictor = nullptr;   ///< kept here if there are several passes, else nullptr
+    Field* right_side = nullptr;  ///< likewise
+    bool finishes = false;
+  };
+  /// What lies between history and new state of a leg.
+  struct Rings {
+    Rings(const Field& shape, int rows, int width, int sweeps);
+    RowRing predictor;
+    RowRing right_side;
+    std::vector<RowRing> stages;
+  };
+  void pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Finished& finished);
+  void line(const Step& step, Field& predictor, Field& right_side, Field& work, const Finished& finished);
+  void begin_rows(const Step& step, const Leg& leg, Rings& rings, const FreeBox& box, int shift);
   void fill_row_ends(const Rows& rows, int j) const;
   void mirror_row(const Rows& rows, int from, int to) const;
 
@@ -57,11 +92,12 @@ class SbdfWavefront {
   int width_;
   bool periodic_x_, periodic_y_;
   std::ptrdiff_t row_length_;  ///< halo included
-  int rows_ = 1;  ///< taken through all sweeps at a time
+  std::ptrdiff_t row_bytes_;   ///< of all species
+  int rows_ = 1;               ///< taken through all sweeps at a time
   int depth_;
-  std::vector<RowRing> predictor_ring_;  ///< one, or none in one dimension
-  std::vector<RowRing> right_side_ring_;
-  std::vector<RowRing> stage_rings_;
+  int together_;
+  std::vector<Rings> rings_;        ///< by leg; none in one dimension
+  std::vector<RowRing> tests_;      ///< predictors of lower and upper order
 };
 
 }  // namespace stiffront

@@ -40,9 +40,8 @@ class Output {
   /// Goes on after `accepted` steps: what an earlier run wrote beyond them is dropped.
   void resume(std::int64_t accepted);
 
-  /// To be called by an Observer: just before an attempt (its requests()), after it, and before an accepted step is taken.
-  void before_attempt();
-  void attempted(const StepRecord& record);
+  /// To be called by an Observer: after an attempt, with the seconds it took, and before an accepted step is taken.
+  void attempted(const StepRecord& record, double seconds) { history_.add(record, seconds); }
   /// @return how many states were written.
   int stepped(const StepRecord& record, double t_new, Field& u, Field& u_new);
 
@@ -67,7 +66,6 @@ class Output {
   History history_;
   Probes probes_;
   XdmfSeries series_;
-  double attempt_began_ = 0.0;
   std::int64_t files_ = 0;
   double seconds_ = 0.0;
 };

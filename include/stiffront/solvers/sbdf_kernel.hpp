@@ -145,8 +145,7 @@ class SbdfKernelOf final : public SbdfKernel {
   [[gnu::flatten]] void cells(const DiffusionOperator& diffusion, const SbdfSweep& sweep, const Row& row, int n) const {
     // Everything the loop needs in locals: what is reached through a pointer would be read again after every store.
     const M model = model_;
-    const Pack gamma(sweep.gamma);
-    const Pack minus_gamma(-sweep.gamma);
+    const Pack inverse_gamma(1.0 / sweep.gamma);
     const Pack time(sweep.t);
     const Grid& grid = sweep.decomposition->grid();
     const Pack lower(grid.lower[0]);
@@ -169,7 +168,7 @@ class SbdfKernelOf final : public SbdfKernel {
       r[s] = row.r[s];
       out[s] = row.out[s];
       k[s] = diffusion.k_x(s);
-      diagonal[s] = 1.0 + 0.5 * sweep.gamma * sweep.shift * diffusion.spectral_radius(s);
+      diagonal[s] = 1.0 / sweep.gamma + 0.5 * sweep.shift * diffusion.spectral_radius(s);
     }
     const auto place_of = [&](int i) __attribute__((always_inline)) {
       return Place<Pack>{time, lower + (Pack(first + i) + lane) * spacing, y};
@@ -194,11 +193,9 @@ class SbdfKernelOf final : public SbdfKernel {
           difference = mul_add(anisotropy, along_y, difference);
         }
         const Pack change = mul_add(Pack(k[s]), difference, reaction.rate(s));
-        b[s] = mul_add(gamma, change, Pack::load(r[s] + i) - centre[s]);
+        b[s] = neg_mul_add(inverse_gamma, Pack::load(r[s] + i) - centre[s], -change);
         unroll<m>([&](auto q) __attribute__((always_inline)) {
-          a[s][q] = s == q
-                        ? mul_add(reaction.jacobian(s, q), Sparse<Pack>(minus_gamma), Sparse<Pack>(Pack(diagonal[s])))
-                        : reaction.jacobian(s, q) * Sparse<Pack>(minus_gamma);
+          a[s][q] = s == q ? reaction.jacobian(s, q) - Sparse<Pack>(Pack(diagonal[s])) : reaction.jacobian(s, q);
         });
       });
       sparse_cell_solve(a, b);
