@@ -7,6 +7,8 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <optional>
 
@@ -19,6 +21,7 @@
 #include "stiffront/io/result_file.hpp"
 #include "stiffront/solvers/model_registry.hpp"
 #include "support/diffusion_problem.hpp"
+#include "support/mutation.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace stiffront {
@@ -151,6 +154,40 @@ TEST_F(IoTest, ACaseTextBeyondTheClassicalLimitOfAnAttributeIsKept) {
   while (text.size() < 200000) text += "# a long comment\n";
   write_state(folder_.file("state.h5"), {0.0, 0, false, names, text}, problem.boundary, problem.rough());
   EXPECT_EQ(read_header(folder_.file("state.h5")).case_text, text);
+}
+
+// HDF5 1.10 crashes on some of these.
+TEST_F(IoTest, AStateChangedAnywhereButInItsValuesIsRefused) {
+  const Problem problem(comm_, unit_grid(20, 7));
+  const std::string path = folder_.file("state.h5");
+  write_state(path, {0.5, 3, false, names, "title = \"t\"\n"}, problem.boundary, problem.rough());
+  if (!comm_.is_root()) return;
+  std::ifstream in(path, std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const auto refused = [&](const std::string& content) {
+    std::ofstream(folder_.file("changed.h5"), std::ios::binary) << content;
+    try {
+      const Problem alone(self_, unit_grid(20, 7));
+      Field u = alone.field();
+      read_state(folder_.file("changed.h5"), names, u);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::io) << e.what();
+      return true;
+    }
+    return false;
+  };
+  ASSERT_FALSE(refused(whole));
+  std::size_t missed = 0;
+  for (std::size_t at = 0; at < whole.size(); at += 7) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ (1 << (at % 8)));
+    missed += refused(changed) ? 0 : 1;
+  }
+  EXPECT_LE(missed, (27 + 2 * 140) * sizeof(double) / 7 + 4) << "no more than the values of x, y and two species";
+  for (std::uint64_t seed = 0; seed < testing::mutation_rounds(300); ++seed) {
+    testing::Mutation mutation(seed);
+    refused(mutation.of(whole, {std::string("\x89HDF\r\n\x1a\n"), std::string(8, '\xff'), std::string(64, '\0')}));
+  }
 }
 
 /// Largest error of a smooth state read on `to` after it was written on `from`.

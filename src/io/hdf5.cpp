@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "seal.hpp"
 #include "stiffront/core/error.hpp"
 
 namespace stiffront::hdf5 {
@@ -139,6 +140,7 @@ Handle open_file(const std::string& path) {
   const auto status = std::filesystem::status(path, failed);
   if (status.type() == std::filesystem::file_type::not_found) throw Error(ErrorKind::io, fmt::format("{}: no such file", path));
   if (std::filesystem::is_directory(status)) throw Error(ErrorKind::io, fmt::format("{}: is a folder, not a file", path));
+  seal::check(path);
   const Handle access = file_access();
   return Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose, fmt::format("{}: cannot be opened as an HDF5 file", path));
 }

@@ -74,7 +74,7 @@ std::vector<double> read_numbers(hid_t object, const std::string& name);
 std::vector<std::int64_t> read_integers(hid_t object, const std::string& name);
 bool has_attribute(hid_t object, const std::string& name);
 
-/// Opens an existing file on this process alone. @throws Error(io)
+/// Opens an existing file on this process alone, if it is as it was sealed (seal.hpp). @throws Error(io)
 Handle open_file(const std::string& path);
 bool has_dataset(hid_t file, const std::string& name);
 std::vector<hsize_t> extent_of(hid_t dataset);

@@ -8,6 +8,7 @@
 
 #include "file.hpp"
 #include "hdf5.hpp"
+#include "seal.hpp"
 #include "stiffront/core/agree.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/core/version.hpp"
@@ -66,7 +67,8 @@ void write_attributes(hid_t file, const StateHeader& header, const Boundary& bou
 }
 
 /// Writes this rank's part of a dataset; every rank takes part, some perhaps with nothing to write.
-void write_part(hid_t file, const std::string& name, const std::vector<hsize_t>& extent, const std::vector<hsize_t>& offset,
+/// @return where its values are in the file
+seal::Extent write_part(hid_t file, const std::string& name, const std::vector<hsize_t>& extent, const std::vector<hsize_t>& offset,
                 const std::vector<hsize_t>& count, const double* values, bool takes_part) {
   const std::string what = fmt::format("cannot write the dataset '{}'", name);
   const hdf5::Handle space = hdf5::simple_space(extent);
@@ -81,7 +83,11 @@ void write_part(hid_t file, const std::string& name, const std::vector<hsize_t>&
   const hdf5::Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose, what);
   hdf5::check(H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE), what);
   hdf5::check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, space, transfer, values), what);
+  std::int64_t size = sizeof(double);
+  for (hsize_t n : extent) size *= static_cast<std::int64_t>(n);
+  const haddr_t begin = H5Dget_offset(dataset);
   dataset.close(what);
+  return begin == HADDR_UNDEF ? seal::Extent{} : seal::Extent{static_cast<std::int64_t>(begin), size};
 }
 
 /// Does one thing after the other even if some fail, because the other ranks take part in each; throws the first failure at the end.
@@ -103,7 +109,8 @@ class Sequence {
   std::optional<Error> first_;
 };
 
-void write_content(hid_t file, const StateHeader& header, const Boundary& boundary, const Field& u) {
+/// @param values gets the places of the values in the file
+void write_content(hid_t file, const StateHeader& header, const Boundary& boundary, const Field& u, std::vector<seal::Extent>& values) {
   const Decomposition& d = u.decomposition();
   const Grid& grid = d.grid();
   Sequence sequence;
@@ -113,7 +120,7 @@ void write_content(hid_t file, const StateHeader& header, const Boundary& bounda
   for (int direction = 0; direction < grid.dimension; ++direction) {
     const std::vector<double> x = positions(grid, direction);
     sequence.then([&] {
-      write_part(file, axes[direction], {x.size()}, {0}, {x.size()}, x.data(), u.comm().is_root());
+      values.push_back(write_part(file, axes[direction], {x.size()}, {0}, {x.size()}, x.data(), u.comm().is_root()));
     });
   }
 
@@ -135,7 +142,9 @@ void write_content(hid_t file, const StateHeader& header, const Boundary& bounda
     for (int j : rows) {
       for (int i : columns) block.push_back(u.at(s, i, j));
     }
-    sequence.then([&] { write_part(file, header.species[static_cast<std::size_t>(s)], extent, offset, count, block.data(), true); });
+    sequence.then([&] {
+      values.push_back(write_part(file, header.species[static_cast<std::size_t>(s)], extent, offset, count, block.data(), true));
+    });
   }
   sequence.end();
 }
@@ -165,15 +174,18 @@ void write_state(const std::string& path, const StateHeader& header, const Bound
   });
   try {
     hdf5::Handle file;
+    std::vector<seal::Extent> values;
     collectively(comm, [&] {
       const hdf5::Handle access = hdf5::file_access();
       hdf5::check(H5Pset_fapl_mpio(access, comm.get(), MPI_INFO_NULL), "parallel HDF5");
-      file = hdf5::Handle(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose,
+      const hdf5::Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "HDF5 property list");
+      hdf5::check(H5Pset_userblock(creation, seal::block_size), "HDF5 user block");
+      file = hdf5::Handle(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose,
                           fmt::format("{}: cannot be created", path));
     });
     collectively(comm, [&] {
       Sequence sequence;
-      sequence.then([&] { write_content(file, header, boundary, u); });
+      sequence.then([&] { write_content(file, header, boundary, u, values); });
       // What cannot be written may come to light only now. A file that cannot be closed is left to the library's own end, which
       // does not survive it.
       sequence.then([&] {
@@ -192,6 +204,7 @@ void write_state(const std::string& path, const StateHeader& header, const Bound
     });
     collectively(comm, [&] {
       if (!comm.is_root()) return;
+      seal::put(temporary, values);
       file::sync(temporary);
       file::rename(temporary, path);
     });
