@@ -580,6 +580,34 @@ def draw_convergence(folder, target):
     save(figure, target)
 
 
+def draw_stability(folder, target):
+    """stability.json: where the spectral radius of the amplification matrix is at most one, with its level lines."""
+    path = os.path.join(folder, "stability.json")
+    try:
+        with open(path) as file:
+            domain = json.load(file)
+        radius = np.array(domain["spectral_radius"], dtype=float)
+        (left, right), (bottom, top) = domain["raster"]["alpha"], domain["raster"]["beta"]
+        method = domain["method"]
+        title = (f"{method['nodes']}, {method['node_count']} nodes, k = {method['starting_order']}, L = {method['corrections']}, "
+                 f"{method['final_update']}, {'consistent' if method['consistent'] else 'inconsistent'}; area {domain['area']:.1f}")
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise PlotError(5, f"{path}: {error}")
+    rows, columns = radius.shape
+    alpha = left + (right - left) * (np.arange(columns) + 0.5) / columns
+    beta = bottom + (top - bottom) * (np.arange(rows) + 0.5) / rows
+    figure = plt.figure(figsize=(7.2, 5.0), layout="constrained")
+    axes = figure.subplots()
+    axes.contourf(alpha, beta, radius, levels=[0.0, 1.0 + 1e-8], colors=["#BFD7EA"])
+    axes.contour(alpha, beta, radius, levels=[1.0 + 1e-8], colors=["#0B3954"], linewidths=1.4)
+    lines = axes.contour(alpha, beta, radius, levels=[0.1, 0.3, 0.5, 0.7, 0.9], colors=["#557A95"], linewidths=0.6)
+    axes.clabel(lines, fontsize="x-small")
+    axes.set_xlabel("Re z")
+    axes.set_ylabel("Im z")
+    axes.set_title(title, fontsize="small")
+    save(figure, target)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="stiffront plot", description="Draws the results in an output folder.")
     parser.add_argument("folder", metavar="DIR", help="output folder of a run")
@@ -588,11 +616,14 @@ def main(arguments=None):
     arguments = parser.parse_args(arguments)
     folder = arguments.folder
     is_study = os.path.exists(os.path.join(folder, "converge.json")) and not field_files(folder)
-    target = arguments.output or os.path.join(folder, "converge.png" if is_study else "plot.png")
+    is_domain = not is_study and os.path.exists(os.path.join(folder, "stability.json")) and not field_files(folder)
+    target = arguments.output or os.path.join(folder, "converge.png" if is_study else "stability.png" if is_domain else "plot.png")
     plt.rcParams.update({"svg.fonttype": "none", "axes.grid": False, "font.size": 9})
     try:
         if is_study:
             draw_convergence(folder, target)
+        elif is_domain:
+            draw_stability(folder, target)
         elif target.lower().endswith((".gif", ".mp4")):
             animate(folder, arguments.species, target)
         else:

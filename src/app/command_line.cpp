@@ -27,6 +27,7 @@ struct Arguments {
   std::string what;
   std::string name;
   std::string species;
+  StabilityCommand stability;
 };
 
 void add_case(CLI::App& command, Arguments& arguments) {
@@ -62,6 +63,11 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   command = app.add_subcommand("converge", "Measure the order of a method: the study [converge] of the case.");
   add_case(*command, arguments);
   add_output_directory(*command, arguments);
+  command = app.add_subcommand("stability", "Measure the domain of stability of sdc: area, real axis and strip, from its amplification matrices.");
+  command->add_option("KEY=VALUE", arguments.source.overrides, "keys of method sdc, as in nodes=gauss-legendre node_count=6 starting_order=2");
+  command->add_option("--implicit-real", arguments.stability.implicit_real, "part of Re z that is implicit; default 1")->type_name("D");
+  command->add_option("--implicit-imaginary", arguments.stability.implicit_imaginary, "part of Im z that is implicit; default 0")->type_name("D");
+  command->add_option("-o,--output", arguments.output, "directory for stability.json, which stiffront plot draws")->type_name("DIR");
   command = app.add_subcommand("list", "List what is built in, one line each with its source.");
   command->add_option("WHAT", arguments.what, "cases, models or methods; all without it")
       ->check(CLI::IsMember({"cases", "models", "methods"}))
@@ -97,6 +103,12 @@ Command command_of(const std::string& name, const Arguments& arguments) {
   if (name == "run") return RunCommand{source_of(arguments), arguments.run};
   if (name == "check") return CheckCommand{arguments.source};
   if (name == "converge") return ConvergeCommand{source_of(arguments), arguments.run};
+  if (name == "stability") {
+    StabilityCommand stability = arguments.stability;
+    stability.overrides = arguments.source.overrides;
+    stability.output = arguments.output;
+    return stability;
+  }
   if (name == "list") return ListCommand{arguments.what};
   if (name == "case") return CaseCommand{arguments.name};
   if (name == "info") return InfoCommand{arguments.name};

@@ -65,7 +65,7 @@ std::string manual_page() {
   for (const auto& [status, meaning] : statuses) text += fmt::format(".TP\n.B {}\n{}\n", status, roff(meaning));
   text += ".SH SIGNALS\n.TP\n.B SIGUSR1\nwrite a checkpoint and go on\n.TP\n.B SIGUSR2, SIGTERM\nwrite a checkpoint and stop with status 75\n"
           ".SH EXAMPLES\n.nf\nstiffront case bz\\-1d > my.toml\nstiffront check my.toml method.tolerance=1e\\-6\n"
-          "mpirun \\-n 2 stiffront run my.toml method.tolerance=1e\\-6 \\-o out\nstiffront plot out\nstiffront report out\n.fi\n"
+          "mpirun \\-n 2 stiffront run my.toml method.tolerance=1e\\-6 \\-o out\nstiffront plot out\nstiffront report out\nstiffront stability nodes=gauss\\-legendre node_count=6\n.fi\n"
           ".SH SEE ALSO\n.BR mpirun (1)\n";
   return text;
 }

@@ -169,30 +169,7 @@ void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem)
     case SdcSolver::cell_local: implicit_part_ = make_cell_local_part(problem.state, problem.diffusion, *problem.model, terms); break;
   }
 
-  SpectralDeferredCorrectionOptions s;
-  switch (o.nodes) {
-    case NodeFamily::gauss_legendre: s.nodes = stiffront::NodeFamily::gauss_legendre; break;
-    case NodeFamily::gauss_lobatto: s.nodes = stiffront::NodeFamily::gauss_lobatto; break;
-    case NodeFamily::gauss_radau: s.nodes = stiffront::NodeFamily::gauss_radau; break;
-  }
-  s.node_count = o.node_count;
-  s.fixed_step = o.step.value_or(0.0);
-  s.tolerance = o.tolerance.value_or(0.0);
-  s.initial_step = o.initial_step;
-  s.starting_order = *o.starting_order;
-  s.corrections = *o.corrections;
-  s.consistent = o.consistent;
-  s.accelerate = o.acceleration;
-  using Correction = SpectralDeferredCorrectionOptions::Correction;
-  s.correction = o.correction == SdcCorrection::standard ? Correction::standard : Correction::alternative;
-  using FinalUpdate = SpectralDeferredCorrectionOptions::FinalUpdate;
-  switch (o.final_update) {
-    case SdcFinalUpdate::automatic: s.final_update = FinalUpdate::automatic; break;
-    case SdcFinalUpdate::last_node: s.final_update = FinalUpdate::last_node; break;
-    case SdcFinalUpdate::quadrature: s.final_update = FinalUpdate::quadrature; break;
-    case SdcFinalUpdate::extrapolation: s.final_update = FinalUpdate::extrapolation; break;
-  }
-  method_ = std::make_unique<SpectralDeferredCorrection>(problem.state, problem.rhs, *implicit_part_, problem.model.get(), s);
+  method_ = std::make_unique<SpectralDeferredCorrection>(problem.state, problem.rhs, *implicit_part_, problem.model.get(), sdc_parameters(o));
 }
 
 void MethodStack::make(const Case&, const SbdfOptions& o, Problem& problem) {

@@ -18,6 +18,7 @@
 #include "stiffront/app/convergence.hpp"
 #include "stiffront/app/methods.hpp"
 #include "stiffront/app/simulation.hpp"
+#include "stiffront/app/stability.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/core/spelling.hpp"
 #include "stiffront/io/info.hpp"
@@ -112,6 +113,11 @@ class Obey {
   }
 
   int operator()(const RunCommand& command) const { return on_all_ranks(command.source, command.run, simulate); }
+  int operator()(const StabilityCommand& command) const {
+    return run_on_all_ranks(argc_, argv_, [&](const Communicator& comm) {
+      if (comm.is_root()) print(measure_stability(command, models_.descriptions()));
+    });
+  }
   int operator()(const ConvergeCommand& command) const { return on_all_ranks(command.source, command.run, run_convergence); }
 
  private:

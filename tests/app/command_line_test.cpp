@@ -79,7 +79,7 @@ TEST(CommandLine, OtherCommandsHaveTheirArguments) {
 
 TEST(CommandLine, HelpAndVersionAreAnswered) {
   const std::string help = std::get<AnswerCommand>(parse({"--help"})).text;
-  for (const char* word : {"run", "check", "converge", "list", "case", "info", "plot", "report", "Exit status"}) {
+  for (const char* word : {"run", "check", "converge", "stability", "list", "case", "info", "plot", "report", "Exit status"}) {
     EXPECT_NE(help.find(word), std::string::npos) << word;
   }
   EXPECT_EQ(help.find("input-reference"), std::string::npos);
@@ -95,7 +95,7 @@ TEST(CommandLine, HelpAndVersionAreAnswered) {
 }
 
 TEST(CommandLine, MistakesAreExplained) {
-  const std::string commands = "run, check, converge, list, case, info, plot, report";
+  const std::string commands = "run, check, converge, stability, list, case, info, plot, report";
   EXPECT_EQ(message_of({}), "no command given; commands: " + commands + "; see stiffront --help");
   EXPECT_EQ(message_of({"rnu"}),
             "unknown command rnu; did you mean run? Allowed commands: " + commands + "; see stiffront --help");

@@ -32,6 +32,12 @@ struct ConvergeCommand {
   CaseArguments source;
   RunArguments run;  ///< force and quiet
 };
+struct StabilityCommand {
+  std::vector<std::string> overrides;  ///< KEY=VALUE; keys of [method] with or without their table
+  double implicit_real = 1.0;
+  double implicit_imaginary = 0.0;
+  std::string output;  ///< directory; empty: none
+};
 struct ListCommand {
   std::string what;  ///< "cases", "models", "methods"; empty: all
 };
@@ -59,7 +65,7 @@ struct AnswerCommand {
   std::string text;
 };
 
-using Command = std::variant<RunCommand, CheckCommand, ConvergeCommand, ListCommand, CaseCommand, InfoCommand,
+using Command = std::variant<RunCommand, CheckCommand, ConvergeCommand, StabilityCommand, ListCommand, CaseCommand, InfoCommand,
                              PlotCommand, ReportCommand, InputReferenceCommand, ManualCommand, CompletionCommand, AnswerCommand>;
 
 /// Needs no MPI.
