@@ -6,8 +6,9 @@
 #   threads     the watchdog's thread under the thread sanitizer
 #   valgrind    memcheck on five MPI tests on two ranks
 #   delays      MPI tests on three ranks with random delays before the calls, twenty seeds
-#   fuzz        twenty times the mutations of the tests, under the sanitizers
-#   kills       fifty random kills with each of sbdf, adaptive-strang and dcs
+#   fuzz        twenty times the mutations of the tests, under the sanitizers; then, where clang is, a minute of libFuzzer on each
+#               of tests/fuzz, begun from the built-in cases, tests/corpus and what a run leaves behind
+#   kills       fifty random kills with each of sbdf, adaptive-strang, dcs and sdc, and with sbdf in two dimensions
 #
 # Without arguments all of them. The status is the number of parts that failed; each part says how it went.
 set -uo pipefail
@@ -71,15 +72,41 @@ part_fuzz() {
   for area in app io model; do
     STIFFRONT_FUZZ_ROUNDS=20 "build/asan/tests/${area}_tests" --gtest_filter='*Mutation*' || failed=1
   done
+  if command -v clang++ >/dev/null; then coverage_guided || failed=1; fi
+  return $failed
+}
+
+coverage_guided() {
+  build_release && cmake --preset fuzz && cmake --build --preset fuzz || return 1
+  local corpus target line n=0 failed=0
+  corpus=$(mktemp -d)
+  mkdir "$corpus"/{case_file,expression,manifest,state_file}
+  cp drivers/cases/*.toml "$corpus/case_file"
+  while IFS= read -r line; do
+    n=$((n + 1))
+    printf '%s' "$line" >"$corpus/expression/$n"
+  done <tests/corpus/expressions.txt
+  build/release/stiffront run bz-1d time.end=1e-4 'output.checkpoint={ every_steps = 5 }' -o "$corpus/run" --quiet || return 1
+  cp "$corpus"/run/checkpoints/*5/manifest.json "$corpus/manifest/"
+  cp "$corpus"/run/fields-000000.h5 "$corpus/state_file/"
+  for target in case_file expression manifest state_file; do
+    ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 "build/fuzz/tests/fuzz/fuzz_$target" -max_total_time=60 -timeout=10 \
+      -max_len=65536 -artifact_prefix="$PWD/build/fuzz/$target-" "$corpus/$target" 2>&1 | tail -3
+    [ "${PIPESTATUS[0]}" -eq 0 ] || failed=1
+  done
+  rm -rf "$corpus"
   return $failed
 }
 
 part_kills() {
   build_release || return 1
   local method failed=0
-  for method in 'method={ name = "sbdf" }' 'method={ name = "adaptive-strang", tolerance = 1e-4 }' 'method={ name = "dcs", tolerance = 1e-5 }'; do
+  for method in 'method={ name = "sbdf" }' 'method={ name = "adaptive-strang", tolerance = 1e-4 }' 'method={ name = "dcs", tolerance = 1e-5 }' \
+    'method={ name = "sdc", tolerance = 1e-5 }'; do
     bash mpi-tests/faults/kills.sh "$PWD/build/release/stiffront" "$mpiexec" drivers/cases/bz-1d.toml 50 "$method" time.end=0.02 || failed=1
   done
+  bash mpi-tests/faults/kills.sh "$PWD/build/release/stiffront" "$mpiexec" drivers/cases/bz-2d-spiral.toml 50 'method={ name = "sbdf" }' \
+    time.end=0.003 'grid.points=[128,128]' || failed=1
   return $failed
 }
 

@@ -80,7 +80,7 @@ ConfigNode convert(const toml::node& node, const std::string& file) {
     for (const Entry& entry : order) {
       ConfigNode value = convert(*entry.value, file);
       if (entry.position.line > 0) value.origin = place(file, entry.position);
-      result.entries.emplace_back(entry.key->str(), std::move(value));
+      result.entries.push_back({std::string(entry.key->str()), std::move(value)});
     }
   } else {
     result.type = ConfigNode::Type::date;
@@ -158,8 +158,8 @@ void append_text(const ConfigNode& node, std::string& text) {
       text += '{';
       for (const auto& entry : node.entries) {
         text += &entry != &node.entries.front() ? ", " : " ";
-        text += toml_key(entry.first) + " = ";
-        append_text(entry.second, text);
+        text += toml_key(entry.key) + " = ";
+        append_text(entry.node, text);
       }
       text += node.entries.empty() ? "}" : " }";
       break;
@@ -243,7 +243,8 @@ void apply_override(ConfigNode& root, const std::string& key_value) {
     if (next == nullptr) {
       ConfigNode made;
       made.origin = "command line";
-      next = &table->entries.emplace_back(parts[i], std::move(made)).second;
+      table->entries.push_back({parts[i], std::move(made)});
+      next = &table->entries.back().node;
     }
     if (next->type != ConfigNode::Type::table) {
       std::string path = parts[0];
@@ -255,7 +256,7 @@ void apply_override(ConfigNode& root, const std::string& key_value) {
   if (ConfigNode* old = table->find(parts.back())) {
     *old = std::move(*parsed);
   } else {
-    table->entries.emplace_back(parts.back(), std::move(*parsed));
+    table->entries.push_back({parts.back(), std::move(*parsed)});
   }
 }
 

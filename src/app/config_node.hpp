@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace stiffront::app {
+
+struct ConfigEntry;
 
 /// One value of a case file, in the order of the file, with the place it comes from.
 struct ConfigNode {
@@ -18,7 +19,7 @@ struct ConfigNode {
   double number = 0.0;
   std::string string;                                       ///< string; date: as text
   std::vector<ConfigNode> elements;                         ///< array
-  std::vector<std::pair<std::string, ConfigNode>> entries;  ///< table
+  std::vector<ConfigEntry> entries;                         ///< table
   std::string origin;                                       ///< "bz.toml:12:1" or "command line"
 
   bool is_number() const { return type == Type::integer || type == Type::number; }
@@ -27,6 +28,12 @@ struct ConfigNode {
   /// Null if there is no such entry or this is no table.
   const ConfigNode* find(std::string_view key) const;
   ConfigNode* find(std::string_view key);
+};
+
+/// A key of a table and its value.
+struct ConfigEntry {
+  std::string key;
+  ConfigNode node;
 };
 
 /// Control characters become spaces.

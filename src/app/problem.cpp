@@ -74,9 +74,9 @@ Boundary make_boundary(const Case& c) {
         case BoundaryKind::periodic: b.kind = stiffront::BoundaryKind::periodic; break;
         case BoundaryKind::dirichlet: b.kind = stiffront::BoundaryKind::dirichlet; break;
       }
-      for (const auto& [species, value] : o.values) {
-        const std::string key = fmt::format("boundary.{}_{}.{}", d == 0 ? "x" : "y", side == 0 ? "lower" : "upper", species);
-        const SpaceExpression expression = at_key(c, key, [&] { return SpaceExpression(value, known); });
+      for (const auto& of_species : o.values) {
+        const std::string key = fmt::format("boundary.{}_{}.{}", d == 0 ? "x" : "y", side == 0 ? "lower" : "upper", of_species.first);
+        const SpaceExpression expression = at_key(c, key, [&] { return SpaceExpression(of_species.second, known); });
         b.values.emplace_back(expression);
         b.depends_on_time = b.depends_on_time || expression.depends_on_time();
       }
