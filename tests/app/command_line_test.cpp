@@ -126,7 +126,7 @@ TEST(Packaging, ManualPageAndCompletionAreWhatTheProgramSays) {
 
 TEST(Packaging, HelpIsKnownForEveryCommand) {
   const std::vector<CommandHelp> commands = command_help();
-  ASSERT_EQ(commands.size(), 8U);
+  ASSERT_EQ(commands.size(), 9U);
   EXPECT_EQ(commands[0].name, "run");
   ASSERT_EQ(commands[0].options.size(), 5U);
   EXPECT_EQ(commands[0].options[0].name, "-o,--output");
