@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the comparisons share: runs of the program and of the peers on the same problem from the same state, errors, interpolation."""
 import glob
+import hashlib
 import json
 import math
 import os
@@ -76,7 +77,9 @@ class Problem:
 
     def make_reference(self, bench):
         """CVODE by hand at a tight tolerance: nothing of the program is in it."""
-        path = os.path.join(self.folder, "reference.f64")
+        with open(self.initial, "rb") as f:
+            key = hashlib.sha256(f.read() + repr((self.arguments, self.reference_tolerance)).encode()).hexdigest()[:12]
+        path = os.path.join(self.folder, f"reference-{key}.f64")
         if not os.path.exists(path):
             solver = "band" if self.dimension == 1 and self.solver == "band" else "gmres"
             result = bench.peer("optimised", "cvode_peer", self, self.reference_tolerance, [f"linear_solver={solver}"], 3600, path + ".tmp")

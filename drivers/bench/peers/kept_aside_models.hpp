@@ -11,39 +11,40 @@ namespace peers {
 using stiffront::Parameter;
 using stiffront::select;
 
-/// Excitable medium (Barkley, Physica D 49, 1991).
-struct Barkley {
+/// Excitable medium with a cubic nullcline (FitzHugh, Biophys. J. 1, 1961). Not Barkley's, whose waves of many widths leave u = 1 by a
+/// delay that rounding decides.
+struct Excitable {
   static constexpr int n_species = 2;
-  static constexpr const char* name = "barkley";
-  static const std::array<Parameter<Barkley>, 3> parameters;
-  double a = 0.75, b = 0.01, epsilon = 0.005;
+  static constexpr const char* name = "excitable";
+  static const std::array<Parameter<Excitable>, 3> parameters;
+  double epsilon = 0.005, beta = 0.7, gamma = 0.5;
 
   template <class T, class P>
   void rates(const T* u, T* du, const P&) const {
-    du[0] = u[0] * (1.0 - u[0]) * (u[0] - (u[1] + b) * (1.0 / a)) * (1.0 / epsilon);
-    du[1] = u[0] - u[1];
+    du[0] = (u[0] - u[0] * u[0] * u[0] * (1.0 / 3.0) - u[1]) * (1.0 / epsilon);
+    du[1] = u[0] + beta - gamma * u[1];
   }
 };
-inline constexpr std::array<Parameter<Barkley>, 3> Barkley::parameters{
-    {{"a", &Barkley::a}, {"b", &Barkley::b}, {"epsilon", &Barkley::epsilon}}};
+inline constexpr std::array<Parameter<Excitable>, 3> Excitable::parameters{
+    {{"epsilon", &Excitable::epsilon}, {"beta", &Excitable::beta}, {"gamma", &Excitable::gamma}}};
 
 /// The same, excited again and again by short pulses near x = 0.
-struct ForcedBarkley {
+struct ForcedExcitable {
   static constexpr int n_species = 2;
-  static constexpr const char* name = "forced-barkley";
-  static const std::array<Parameter<ForcedBarkley>, 6> parameters;
-  double a = 0.75, b = 0.01, epsilon = 0.02, force = 40.0, period = 1.5, sharpness = 20.0;
+  static constexpr const char* name = "forced-excitable";
+  static const std::array<Parameter<ForcedExcitable>, 6> parameters;
+  double epsilon = 0.02, beta = 0.7, gamma = 0.5, force = 150.0, period = 1.5, sharpness = 100.0;
 
   template <class T, class P>
   void rates(const T* u, T* du, const P& p) const {
     const auto pulse = force * exp(sharpness * (cos(p.t * (2.0 * std::numbers::pi / period)) - 1.0)) * exp(p.x * p.x * -0.25);
-    du[0] = u[0] * (1.0 - u[0]) * (u[0] - (u[1] + b) * (1.0 / a)) * (1.0 / epsilon) + T(pulse) * (1.0 - u[0]);
-    du[1] = u[0] - u[1];
+    du[0] = (u[0] - u[0] * u[0] * u[0] * (1.0 / 3.0) - u[1]) * (1.0 / epsilon) + T(pulse);
+    du[1] = u[0] + beta - gamma * u[1];
   }
 };
-inline constexpr std::array<Parameter<ForcedBarkley>, 6> ForcedBarkley::parameters{
-    {{"a", &ForcedBarkley::a}, {"b", &ForcedBarkley::b}, {"epsilon", &ForcedBarkley::epsilon}, {"force", &ForcedBarkley::force},
-     {"period", &ForcedBarkley::period}, {"sharpness", &ForcedBarkley::sharpness}}};
+inline constexpr std::array<Parameter<ForcedExcitable>, 6> ForcedExcitable::parameters{
+    {{"epsilon", &ForcedExcitable::epsilon}, {"beta", &ForcedExcitable::beta}, {"gamma", &ForcedExcitable::gamma},
+     {"force", &ForcedExcitable::force}, {"period", &ForcedExcitable::period}, {"sharpness", &ForcedExcitable::sharpness}}};
 
 /// Activator and inhibitor (Gierer & Meinhardt, Kybernetik 12, 1972).
 struct GiererMeinhardt {

@@ -31,8 +31,8 @@ std::unique_ptr<Problem> find(const Setup& setup) {
 
 std::unique_ptr<Problem> make_problem(const Setup& setup) {
   using namespace stiffront;
-  return find<Bz, Brusselator, GrayScott, Flame, FitzhughNagumo, Angiogenesis, Ignition, LambdaOmega, Pulse, SlavedOscillator, Barkley,
-              GiererMeinhardt, ChainFlame, EightSpecies, ForcedBarkley, Diurnal>(setup);
+  return find<Bz, Brusselator, GrayScott, Flame, FitzhughNagumo, Angiogenesis, Ignition, LambdaOmega, Pulse, SlavedOscillator, Excitable,
+              GiererMeinhardt, ChainFlame, EightSpecies, ForcedExcitable, Diurnal>(setup);
 }
 
 }  // namespace peers
