@@ -26,6 +26,7 @@
 #include "stiffront/app/problem.hpp"
 #include "stiffront/control/evolve.hpp"
 #include "stiffront/core/error.hpp"
+#include "stiffront/core/floating_point.hpp"
 #include "stiffront/core/timer.hpp"
 #include "stiffront/solvers/model_registry.hpp"
 
@@ -214,6 +215,7 @@ int table(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
+  stiffront::flush_denormals_to_zero();  // as the program does
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   int status = EXIT_FAILURE;
   if (arguments.size() < 2) {

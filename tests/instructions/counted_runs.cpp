@@ -11,6 +11,7 @@
 
 #include "stiffront/control/evolve.hpp"
 #include "stiffront/control/sbdf.hpp"
+#include "stiffront/core/floating_point.hpp"
 #include "stiffront/model/builtin/brusselator.hpp"
 #include "stiffront/model/builtin/bz.hpp"
 #include "stiffront/solvers/model_kernels.hpp"
@@ -119,6 +120,7 @@ void radau5_cells() {
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
+  flush_denormals_to_zero();
   sbdf_run("sbdf-1d", square(1, 401), {2.5e-3, 2.5e-3, 1.5e-3}, Bz{}, "bz-front", 0.02);
   sbdf_run("sbdf-2d", square(2, 64), {2.5e-3, 2.5e-3, 1.5e-3}, Bz{}, "bz-spiral", 0.02);
   const Passes coupled = sbdf_run("sbdf-line", square(1, 401), {0.1, 0.1}, Brusselator{}, "brusselator-cosine", 1.0);

@@ -13,6 +13,7 @@
 #include <exception>
 
 #include "peer_problem.hpp"
+#include "stiffront/core/floating_point.hpp"
 
 namespace {
 
@@ -133,6 +134,7 @@ int run(const peers::Setup& setup) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  stiffront::flush_denormals_to_zero();  // the same advantage
   try {
     return run(peers::Setup::parse(argc, argv));
   } catch (const std::exception& e) {

@@ -10,6 +10,7 @@
 #include <exception>
 
 #include "peer_problem.hpp"
+#include "stiffront/core/floating_point.hpp"
 
 namespace {
 
@@ -135,6 +136,7 @@ int main(int argc, char** argv) {
     int count = static_cast<int>(options.size());
     char** list = words.data();
     PetscInitialize(&count, &list, nullptr, nullptr);
+    stiffront::flush_denormals_to_zero();  // the same advantage
     const int status = run(setup);
     PetscFinalize();
     return status;

@@ -4,6 +4,8 @@
 #include <benchmark/benchmark.h>
 #include <mpi.h>
 
+#include "stiffront/core/floating_point.hpp"
+
 namespace {
 
 class NoReport : public benchmark::BenchmarkReporter {
@@ -15,6 +17,7 @@ class NoReport : public benchmark::BenchmarkReporter {
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
+  stiffront::flush_denormals_to_zero();  // as the program does
   benchmark::Initialize(&argc, argv);
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
