@@ -69,3 +69,5 @@ same_bits_test(sdc-2d bz-2d-spiral "${boxes}" "grid.points=[67, 61]" method.name
 same_bits_test(sdc-2d-periodic brusselator-2d "1x1 4x1 1x4 2x2" "grid.points=[67, 61]" method.name=sdc method.step=0.02 time.end=0.1)
 same_bits_test(sdc-2d-adaptive brusselator-2d "${boxes}" "grid.points=[67, 61]" method.name=sdc method.tolerance=1e-6 time.end=0.1)
 restart_test(sdc-2d brusselator-2d 3 "grid.points=[35, 41]" method.name=sdc method.tolerance=1e-5 time.end=0.2)
+same_bits_test(sdc-strang bz-1d "${lines}" method.name=sdc method.splitting=strang method.tolerance=1e-4 time.end=2e-3)
+restart_test(sdc-strang bz-1d 5 method.name=sdc method.splitting=strang method.tolerance=1e-4 time.end=2e-3)

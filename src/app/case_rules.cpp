@@ -451,6 +451,19 @@ class Completion {
       expected("method.starting_order", fmt::format("an integer {} node_count = {}", lobatto ? "below" : "up to", o.node_count));
     }
     if (o.gamma_advection != 0.0) fail("method.gamma_advection", "expected 0: no model has first derivatives");
+    if (composes_flows(o)) {
+      const int order = o.splitting == SdcSplitting::lie ? 1 : 2;
+      if (o.starting_order && *o.starting_order != order) {
+        expected("method.starting_order", fmt::format("{}, the order of the splitting, or nothing", order));
+      }
+      if (!o.consistent) fail("method.consistent", "false goes with splitting = \"preconditioned\" or \"imex\" only");
+      if (o.correction == SdcCorrection::alternative) {
+        fail("method.correction", "\"alternative\" goes with splitting = \"preconditioned\" or \"imex\" only");
+      }
+      if (o.implicit_solver != SdcSolver::automatic) {
+        fail("method.implicit_solver", "goes with splitting = \"preconditioned\" or \"imex\" only");
+      }
+    }
     complete_sdc(o, c_.space.order);
     if (o.final_update == SdcFinalUpdate::last_node && o.nodes == NodeFamily::gauss_legendre) {
       expected("method.final_update", "\"auto\", \"quadrature\" or \"extrapolation\" with Legendre nodes, whose last one is not the end of the step");

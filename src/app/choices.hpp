@@ -23,7 +23,7 @@ inline constexpr std::array choice_words<StepRule>{"k", "kmax", "min"};
 template <>
 inline constexpr std::array choice_words<NodeFamily>{"gauss-legendre", "gauss-lobatto", "gauss-radau"};
 template <>
-inline constexpr std::array choice_words<SdcSplitting>{"preconditioned", "imex"};
+inline constexpr std::array choice_words<SdcSplitting>{"preconditioned", "imex", "lie", "strang"};
 template <>
 inline constexpr std::array choice_words<SdcImplicit>{"diffusion", "reaction"};
 template <>

@@ -13,6 +13,7 @@
 #include "stiffront/control/cvode.hpp"
 #include "stiffront/control/deferred_correction.hpp"
 #include "stiffront/control/fixed_step.hpp"
+#include "stiffront/control/flow_propagator.hpp"
 #include "stiffront/control/sbdf.hpp"
 #include "stiffront/control/sbdf_tables.hpp"
 #include "stiffront/control/spectral_deferred_correction.hpp"
@@ -149,6 +150,14 @@ void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
 void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem) {
   SdcOptions o = given;
   complete_sdc(o, c.space.order);
+  if (composes_flows(o)) {
+    make_flows(c, problem, o.tolerance.value_or(0.0));
+    propagator_ = std::make_unique<FlowPropagator>(*reaction_, *diffusion_,
+                                                   o.splitting == SdcSplitting::lie ? lie(stiffront::SplittingOrder::reaction_last)
+                                                                                    : strang(stiffront::SplittingOrder::reaction_last));
+    method_ = std::make_unique<SpectralDeferredCorrection>(problem.state, problem.rhs, *propagator_, problem.model.get(), sdc_parameters(o));
+    return;
+  }
   ImplicitTerms terms;
   terms.gamma_diffusion = *o.gamma_diffusion;
   if (o.splitting == SdcSplitting::imex && o.implicit == SdcImplicit::diffusion) terms.reaction = false;

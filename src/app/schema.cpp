@@ -323,7 +323,8 @@ std::vector<Key> sdc_keys() {
       number("method.gamma_advection", not_negative, STIFFRONT_METHOD(Options, gamma_advection),
              "factor on the first derivatives of the implicit part; 0 as long as no model has any"),
       choice("method.splitting", STIFFRONT_METHOD(Options, splitting),
-             "\"preconditioned\": diffusion and the Jacobian of the reaction are implicit; \"imex\": one of them"),
+             "\"preconditioned\": diffusion and the Jacobian of the reaction are implicit; \"imex\": one of them; \"lie\", \"strang\": "
+             "the flows of reaction and diffusion, to the tolerances of their solvers, are start and correction"),
       choice("method.implicit", STIFFRONT_METHOD(Options, implicit), "with splitting = \"imex\": which one"),
       choice("method.implicit_solver", STIFFRONT_METHOD(Options, implicit_solver),
              "\"block-tridiagonal\": direct, 1-D; \"multigrid\": GMRES preconditioned by multigrid, 2-D; \"cell-local\": of the "

@@ -7,9 +7,13 @@
 
 namespace stiffront::app {
 
+/// Whether start and corrections are compositions of the flows of reaction and diffusion.
+inline bool composes_flows(const SdcOptions& o) { return o.splitting == SdcSplitting::lie || o.splitting == SdcSplitting::strang; }
+
 /// Fills in what depends on other keys.
 inline void complete_sdc(SdcOptions& o, int space_order) {
   const int below_even = o.nodes == NodeFamily::gauss_legendre ? 0 : (o.nodes == NodeFamily::gauss_radau ? 1 : 2);
+  if (!o.starting_order && composes_flows(o)) o.starting_order = o.splitting == SdcSplitting::lie ? 1 : 2;
   if (!o.starting_order) o.starting_order = std::clamp(o.node_count - 1, 1, 2);
   if (!o.corrections) o.corrections = std::max(0, 2 * o.node_count - below_even - *o.starting_order);
   if (!o.gamma_diffusion) o.gamma_diffusion = space_order == 2 ? 1.0 : 2.0;

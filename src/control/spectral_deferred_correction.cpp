@@ -22,6 +22,12 @@ using Options = SpectralDeferredCorrectionOptions;
 // Below this, in the relative norm, a residual is round-off.
 constexpr double round_off_floor = 1e-15;
 
+[[noreturn]] void refuse_alternative() {
+  throw Error(ErrorKind::input,
+              "method.correction: the alternative form converges to the collocation solution only where the starting method is the "
+              "correction method; it needs starting_order = 1, consistent = true, a fixed step, no acceleration and no composition of flows");
+}
+
 Options checked(Options o) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorKind::input, message); };
   if (o.node_count < 2 || o.node_count > 10) refuse(fmt::format("method.node_count: expected 2 to 10, got {}", o.node_count));
@@ -37,8 +43,7 @@ Options checked(Options o) {
     refuse("method.final_update: the last of the Legendre nodes is not the end of the step; use \"quadrature\" or \"extrapolation\"");
   }
   if (o.correction == Options::Correction::alternative && (o.starting_order != 1 || !o.consistent || o.accelerate || !(o.fixed_step > 0.0))) {
-    refuse("method.correction: the alternative form converges to the collocation solution only where the starting method is the "
-           "correction method; it needs starting_order = 1, consistent = true, a fixed step and no acceleration");
+    refuse_alternative();
   }
   return o;
 }
@@ -47,9 +52,18 @@ Options checked(Options o) {
 
 SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, ImplicitPart& implicit,
                                                        const ReactionTerm* reaction, Options options)
+    : SpectralDeferredCorrection(shape, rhs, &implicit, nullptr, reaction, options) {}
+
+SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, StepPropagator& propagator,
+                                                       const ReactionTerm* reaction, Options options)
+    : SpectralDeferredCorrection(shape, rhs, nullptr, &propagator, reaction, options) {}
+
+SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, ImplicitPart* implicit, StepPropagator* propagator,
+                                                       const ReactionTerm* reaction, Options options)
     : comm_(&shape.comm()),
       rhs_(&rhs),
-      implicit_(&implicit),
+      implicit_(implicit),
+      propagator_(propagator),
       reaction_(reaction),
       options_(checked(options)),
       nodes_(collocation_nodes(options_.nodes, options_.node_count)),
@@ -77,7 +91,11 @@ SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, Right
     if (options_.correction == Options::Correction::alternative) provisional_.push_back(shape.similar());
     if (options_.accelerate) before_.push_back(shape.similar());
   }
-  for (int i = 1; i < options_.starting_order; ++i) {
+  if (propagator_ != nullptr) {
+    if (options_.correction == Options::Correction::alternative) refuse_alternative();
+    for (std::size_t i = 0; i < count(); ++i) propagated_.push_back(shape.similar());
+  }
+  for (int i = 1; i < options_.starting_order && propagator_ == nullptr; ++i) {
     history_v_.push_back(shape.similar());
     history_f_.push_back(shape.similar());
   }
@@ -174,7 +192,42 @@ void SpectralDeferredCorrection::start(double t, double dt, Field& u, Attempt& a
     v_[0].copy_interior(u);
     f_[0].copy_interior(f0_);
   }
+  if (propagator_ != nullptr) return start_by_propagation(t, dt, u, a);
   for (std::size_t i = first_moving(); i < count(); ++i) start_node(i, t, dt, u, a);
+}
+
+/// propagated_[i] = S^h of the left neighbour of node i.
+void SpectralDeferredCorrection::propagate(std::size_t i, double t, double dt, Field& u, Attempt& a) {
+  const double h = nodes_.interval(static_cast<int>(i)) * dt;
+  propagator_->advance(t + node(i) * dt - h, h, i == 0 ? u : v_[i - 1], propagated_[i], a);
+}
+
+void SpectralDeferredCorrection::start_by_propagation(double t, double dt, Field& u, Attempt& a) {
+  for (std::size_t i = first_moving(); i < count(); ++i) {
+    propagate(i, t, dt, u, a);
+    v_[i].copy_interior(propagated_[i]);
+    rhs_->boundary().impose(v_[i], t + node(i) * dt);
+    evaluate(t + node(i) * dt, v_[i], f_[i], a);
+  }
+}
+
+/// A sweep with the propagator from the residual increments: v_i^new = S v_{i-1}^new - S v_{i-1} + v_i + rho_i.
+void SpectralDeferredCorrection::propagated_sweep(double t, double dt, Field& u, Attempt& a) {
+  for (std::size_t i = first_moving(); i < count(); ++i) {
+    // The first node's left neighbour is the same in all sweeps.
+    if (i > first_moving()) {
+      const std::array<Term, 2> without{Term{1.0, &rho_[i]}, Term{-1.0, &propagated_[i]}};
+      combine(without, rho_[i]);
+      propagate(i, t, dt, u, a);
+      const std::array<Term, 2> with{Term{1.0, &rho_[i]}, Term{1.0, &propagated_[i]}};
+      combine(with, rho_[i]);
+    }
+    const std::array<Term, 2> next{Term{1.0, &v_[i]}, Term{1.0, &rho_[i]}};
+    combine(next, v_[i]);
+    rhs_->boundary().impose(v_[i], t + node(i) * dt);
+    evaluate(t + node(i) * dt, v_[i], f_[i], a);
+  }
+  ++a.iterations;
 }
 
 /// rho_i = dT sum_a (S_i - S_{i-1})_a F(v_a) - (v_i - v_{i-1}): what the residual (2-10) grows by from node to node.
@@ -189,6 +242,7 @@ void SpectralDeferredCorrection::residual_increments(double dt, const Field& u) 
 
 /// (2-12)-(2-14) from the residual increments. @param last whether the right-hand sides of the new iterate are of no use
 void SpectralDeferredCorrection::sweep(double t, double dt, Field& u, bool last, Attempt& a) {
+  if (propagator_ != nullptr) return propagated_sweep(t, dt, u, a);
   for (std::size_t i = first_moving(); i < count(); ++i) {
     const double h = nodes_.interval(static_cast<int>(i)) * dt;
     const bool follows = i > first_moving();
@@ -286,7 +340,7 @@ Attempt SpectralDeferredCorrection::attempt(double t, double dt, Field& u, Field
 
 Attempt SpectralDeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
   Attempt a;
-  const bool has_history = history_times_.size() + 1 >= static_cast<std::size_t>(options_.starting_order);
+  const bool has_history = propagator_ != nullptr || history_times_.size() + 1 >= static_cast<std::size_t>(options_.starting_order);
   const int sweeps = options_.corrections + (has_history || options_.corrections == 0 ? 0 : options_.starting_order - 1);
   start(t, dt, u, a);
   for (std::size_t i = 0; i < provisional_.size(); ++i) provisional_[i].copy_interior(v_[i]);
@@ -308,9 +362,14 @@ Attempt SpectralDeferredCorrection::fixed(double t, double dt, Field& u, Field& 
   }
   finish(t, dt, u, u_new);
   Agreement agreement(0, 0);
-  agreement.flags = flags | inspect(u_new, free_);
+  agreement.flags = flags | inspect(u_new, free_) | (a.failure ? step_flags::cell_failed : 0);
   comm_->agree(agreement);
   flags = agreement.flags;
+  if ((flags & step_flags::cell_failed) != 0) {
+    a.reason = "a cell could not be integrated";
+    a.dt_next = 0.5 * dt;
+    return a;
+  }
   if ((flags & step_flags::not_finite) != 0) {
     throw Error(ErrorKind::numerics,
                 fmt::format("method.step: the solution is not finite after the step of {:.6g} from t = {:.6g}: this step is not stable; use "
@@ -356,11 +415,16 @@ Attempt SpectralDeferredCorrection::adaptive(double t, double dt, Field& u, Fiel
     Agreement agreement = norm_.agreement(1);
     norm_.add_difference(u_new, v_.back(), 0, agreement);
     norm_.add_scale(v_.back(), agreement);
-    agreement.flags = flags | inspect(v_.back(), free_);
+    agreement.flags = flags | inspect(v_.back(), free_) | (a.failure ? step_flags::cell_failed : 0);
     comm_->agree(agreement);
     flags = agreement.flags;
     const double residual = norm_.value(0, agreement);
     a.error = residual;
+    if ((flags & step_flags::cell_failed) != 0) {
+      a.reason = "a cell could not be integrated";
+      a.dt_next = 0.25 * dt;
+      return a;
+    }
     if ((flags & step_flags::not_finite) != 0 || !std::isfinite(residual)) {
       a.reason = "the iterates are not finite";
       a.dt_next = 0.25 * dt;
@@ -423,6 +487,7 @@ void SpectralDeferredCorrection::restart(double t) {
 }
 
 void SpectralDeferredCorrection::visit_state(StateVisitor& visitor) {
+  if (propagator_ != nullptr) propagator_->visit_state(visitor);
   visitor.numbers("history_times", history_times_);
   visitor.integer("has_slope", has_slope_);
   if (has_slope_) visitor.field("slope", f0_);

@@ -5,6 +5,7 @@
 
 #include "stiffront/app/problem.hpp"
 #include "stiffront/control/method.hpp"
+#include "stiffront/control/spectral_deferred_correction.hpp"
 #include "stiffront/core/timer.hpp"
 #include "stiffront/solvers/implicit_part.hpp"
 #include "stiffront/splitting/reaction_flow.hpp"
@@ -48,6 +49,7 @@ class MethodStack {
   std::unique_ptr<DiffusionOperator> quadrature_diffusion_;  // dcs with a higher order in its quadrature
   std::unique_ptr<CoupledRhs> quadrature_rhs_;
   std::unique_ptr<ImplicitPart> implicit_part_;              // sdc
+  std::unique_ptr<StepPropagator> propagator_;               // sdc with a composition of flows
   std::unique_ptr<Method> method_;
   std::string choice_;
 };

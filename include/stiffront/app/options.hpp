@@ -173,7 +173,7 @@ struct DcsOptions {
 };
 
 enum class NodeFamily { gauss_legendre, gauss_lobatto, gauss_radau };
-enum class SdcSplitting { preconditioned, imex };
+enum class SdcSplitting { preconditioned, imex, lie, strang };
 enum class SdcImplicit { diffusion, reaction };
 enum class SdcSolver { automatic, cell_local, block_tridiagonal, multigrid };
 enum class SdcCorrection { standard, alternative };

@@ -43,6 +43,15 @@ struct SpectralDeferredCorrectionOptions {
   double max_growth = 2.0;     ///< of adaptive steps
 };
 
+/// Any method of low order that goes from a state to one a little later, as start and as correction of SDC.
+class StepPropagator {
+ public:
+  virtual ~StepPropagator() = default;
+  /// from keeps its interior. A failure of this rank goes into the attempt. @mpi collective
+  virtual void advance(double t, double h, Field& from, Field& to, Attempt& a) = 0;
+  virtual void visit_state(StateVisitor& visitor) = 0;
+};
+
 /// Spectral deferred correction of a linearly implicit splitting F(v) = -P v + (F(v) + P v) (method `sdc`).
 ///
 /// A step from T to T + dT: IMEX backward differentiation of order k visits the m nodes, with the stages of the step before as history;
@@ -54,6 +63,12 @@ struct SpectralDeferredCorrectionOptions {
 ///
 /// so that P itself is never applied. P is taken at the newest state known: the left node's, after its correction. The first step has no
 /// history: the order rises from 1 to k over its nodes and k - 1 more sweeps make up for it.
+///
+/// With a propagator S^h instead of the splitting, a composition of flows for one, the start is v_i = S^h v_{i-1} and a sweep
+///
+///     v_i^new = S^h v_{i-1}^new - S^h v_{i-1} + v_{i-1} + dT sum_a (S_i - S_{i-1})_a F(v_a),
+///
+/// that of Duarte & Emmett (2016) on any nodes; S^h v_{i-1} is kept from the sweep before.
 ///
 /// Adaptive steps take the residual of the last node, |v(T) + dT sum_a S_ma F(v_a) - v_m| in the norm of StateNorm, for the error, stop
 /// the sweeps when it is below the tolerance, and choose the next step for the number of sweeps that goes farthest for its cost.
@@ -69,18 +84,23 @@ class SpectralDeferredCorrection final : public Method {
   ///         method (order 1, consistent, no acceleration)
   SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, ImplicitPart& implicit, const ReactionTerm* reaction,
                              SpectralDeferredCorrectionOptions options);
+  /// With a propagator of order options.starting_order.
+  SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, StepPropagator& propagator, const ReactionTerm* reaction,
+                             SpectralDeferredCorrectionOptions options);
 
   double first_step(double t, double t_end, Field& u) override;
   Attempt attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) override;
   void accept(Field& u, Field& u_new) override;
   void restart(double t) override;
   void visit_state(StateVisitor& visitor) override;
-  std::string closing_note() const override { return implicit_->closing_note(); }
+  std::string closing_note() const override { return implicit_ != nullptr ? implicit_->closing_note() : std::string(); }
 
   /// Right-hand sides evaluated since construction.
   std::int64_t evaluations() const { return evaluations_; }
 
  private:
+  SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, ImplicitPart* implicit, StepPropagator* propagator,
+                             const ReactionTerm* reaction, SpectralDeferredCorrectionOptions options);
   std::size_t count() const { return static_cast<std::size_t>(nodes_.size()); }
   double node(std::size_t i) const { return nodes_.c[i]; }
   std::size_t first_moving() const { return nodes_.starts_at_zero() ? 1 : 0; }
@@ -90,6 +110,9 @@ class SpectralDeferredCorrection final : public Method {
   void start_node(std::size_t i, double t, double dt, Field& u, Attempt& a);
   void residual_increments(double dt, const Field& u);
   void sweep(double t, double dt, Field& u, bool last, Attempt& a);
+  void propagate(std::size_t i, double t, double dt, Field& u, Attempt& a);
+  void start_by_propagation(double t, double dt, Field& u, Attempt& a);
+  void propagated_sweep(double t, double dt, Field& u, Attempt& a);
   void alternative_sweep(double t, double dt, Field& u, Attempt& a);
   void accelerated_sweep(double t, double dt, Field& u, Attempt& a);
   void finish(double t, double dt, const Field& u, Field& u_new);
@@ -101,7 +124,8 @@ class SpectralDeferredCorrection final : public Method {
 
   const Communicator* comm_;
   RightHandSide* rhs_;
-  ImplicitPart* implicit_;
+  ImplicitPart* implicit_;      // or
+  StepPropagator* propagator_;
   const ReactionTerm* reaction_;
   SpectralDeferredCorrectionOptions options_;
   CollocationNodes nodes_;
@@ -114,6 +138,7 @@ class SpectralDeferredCorrection final : public Method {
   Field f0_;                // right-hand side at the beginning of the step
   Field work_;
   Field delta_;
+  std::vector<Field> propagated_;      // S^h of the left neighbours, with a propagator
   std::vector<Field> provisional_;     // of the alternative correction
   std::vector<Field> history_v_;       // stages of the step before, from its end backwards, its end itself left out
   std::vector<Field> history_f_;
