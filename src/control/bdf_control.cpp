@@ -92,7 +92,10 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
     is_starting_ = false;
   }
   room_ = target / dt_next;
-  return std::min(dt_next, limit(order_, std::numeric_limits<double>::infinity()));
+  // Also a step that is kept may have become dearer than a somewhat shorter one.
+  const double economic = limit(order_, dt_next);
+  if (economic != dt_next && economic != dt) held_ = 0;
+  return economic;
 }
 
 int BdfControl::likely_alike() const {
