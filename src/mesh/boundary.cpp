@@ -66,13 +66,15 @@ void fill_line(double* end, std::ptrdiff_t in, int width, BoundaryKind kind) {
 
 }  // namespace
 
-void Boundary::fill_halo(Field& u, int width, std::span<const int> species) const {
+void Boundary::fill_halo(Field& u, int width, std::span<const int> species, int reach) const {
   const Decomposition& d = u.decomposition();
-  const int width_y = d.grid().dimension == 2 ? width : 0;
+  // Beyond a physical side nothing but what this function puts there.
+  const auto beyond = [&](int direction, int which) { return d.at_boundary(direction, which) ? width : reach; };
+  const bool in_plane = d.grid().dimension == 2;
   for (int s : species) {
     for (int which = 0; which < 2; ++which) {
       if (!d.at_boundary(0, which) || d.grid().sub_cell[0][static_cast<std::size_t>(which)]) continue;
-      for (int j = -width_y; j < u.n_y() + width_y; ++j) {
+      for (int j = in_plane ? -beyond(1, 0) : 0; j < u.n_y() + (in_plane ? beyond(1, 1) : 0); ++j) {
         double* row = u.row(s, j);
         fill_line(which == 0 ? row : row + u.n_x() - 1, which == 0 ? 1 : -1, width, side(0, which).kind);
       }
@@ -82,15 +84,21 @@ void Boundary::fill_halo(Field& u, int width, std::span<const int> species) cons
       if (!d.at_boundary(1, which) || d.grid().sub_cell[1][static_cast<std::size_t>(which)]) continue;
       double* end = u.row(s, which == 0 ? 0 : u.n_y() - 1);
       const std::ptrdiff_t in = which == 0 ? u.row_stride() : -u.row_stride();
-      for (int i = -width; i < u.n_x() + width; ++i) fill_line(end + i, in, width, side(1, which).kind);
+      for (int i = -beyond(0, 0); i < u.n_x() + beyond(0, 1); ++i) fill_line(end + i, in, width, side(1, which).kind);
     }
   }
 }
 
-void Boundary::impose(Field& u, double t) const {
+void Boundary::impose(Field& u, double t, int reach) const {
   if (!has_dirichlet_) return;
   const Decomposition& d = u.decomposition();
   const Grid& grid = d.grid();
+  const auto beyond = [&](int direction, int which) { return d.at_boundary(direction, which) ? 0 : reach; };
+  // A neighbour's points may lie at the other end of a periodic direction.
+  const auto position = [&](int direction, std::int64_t index) {
+    const std::int64_t n = grid.points[static_cast<std::size_t>(direction)];
+    return grid.position(direction, index < 0 ? index + n : (index >= n ? index - n : index));
+  };
   for (int s = 0; s < u.n_species(); ++s) {
     const auto species = static_cast<std::size_t>(s);
     for (int which = 0; which < 2 && grid.dimension == 2; ++which) {
@@ -98,15 +106,16 @@ void Boundary::impose(Field& u, double t) const {
       if (b.kind != BoundaryKind::dirichlet || !d.at_boundary(1, which)) continue;
       const int j = which == 0 ? 0 : u.n_y() - 1;
       const double y = grid.position(1, d.offset_y() + j);
-      for (int i = 0; i < u.n_x(); ++i) u.at(s, i, j) = b.values[species](t, grid.position(0, d.offset_x() + i), y);
+      for (int i = -beyond(0, 0); i < u.n_x() + beyond(0, 1); ++i) u.at(s, i, j) = b.values[species](t, position(0, d.offset_x() + i), y);
     }
     for (int which = 0; which < 2; ++which) {
       const BoundarySide& b = side(0, which);
       if (b.kind != BoundaryKind::dirichlet || !d.at_boundary(0, which)) continue;
       const int i = which == 0 ? 0 : u.n_x() - 1;
       const double x = grid.position(0, d.offset_x() + i);
-      for (int j = 0; j < u.n_y(); ++j) {
-        u.at(s, i, j) = b.values[species](t, x, grid.dimension == 2 ? grid.position(1, d.offset_y() + j) : 0.0);
+      const bool in_plane = grid.dimension == 2;
+      for (int j = in_plane ? -beyond(1, 0) : 0; j < u.n_y() + (in_plane ? beyond(1, 1) : 0); ++j) {
+        u.at(s, i, j) = b.values[species](t, x, in_plane ? position(1, d.offset_y() + j) : 0.0);
       }
     }
   }

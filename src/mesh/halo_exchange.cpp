@@ -15,16 +15,16 @@ namespace stiffront {
 namespace {
 
 /// What is copied into a halo must lie in the box next to it, and what is mirrored or extrapolated beyond a side within reach of it.
-void check_width(const Decomposition& d, const Boundary& boundary, int width) {
+void check_width(const Decomposition& d, const Boundary& boundary, int width, int stencil) {
   for (int direction = 0; direction < d.grid().dimension; ++direction) {
     const auto k = static_cast<std::size_t>(direction);
     const std::int64_t points = d.grid().points[k];
     const int processes = d.processes()[k];
-    std::int64_t least = width;
+    std::int64_t least = processes > 1 || d.grid().periodic[k] ? width : stencil;
     for (int which = 0; which < 2 && processes == 1; ++which) {
       const BoundaryKind kind = boundary.side(direction, which).kind;
-      if (kind == BoundaryKind::neumann) least = std::max<std::int64_t>(least, width + 1);
-      if (kind == BoundaryKind::dirichlet && width > 1) least = std::max<std::int64_t>(least, 4);
+      if (kind == BoundaryKind::neumann) least = std::max<std::int64_t>(least, stencil + 1);
+      if (kind == BoundaryKind::dirichlet && stencil > 1) least = std::max<std::int64_t>(least, 4);
     }
     if (points / processes >= least) continue;
     throw Error(ErrorKind::input,
@@ -39,21 +39,37 @@ HaloExchange::HaloExchange(const Decomposition& decomposition, const Boundary& b
                            std::vector<int> species, bool corners)
     : decomposition_(&decomposition),
       boundary_(&boundary),
-      width_(width),
-      species_(std::move(species)),
-      n_fields_(static_cast<std::size_t>(n_fields)) {
-  if (species_.empty()) {
-    species_.resize(static_cast<std::size_t>(n_species));
-    std::iota(species_.begin(), species_.end(), 0);
-  }
-  const Decomposition& d = decomposition;
-  check_width(d, boundary, width);
-  // First send, first receive and length of a strip along one direction for an offset of -1, 0 or 1.
-  const auto strip = [width](int offset, int n, int& send, int& recv, int& length) {
+      widths_(static_cast<std::size_t>(n_fields), width),
+      stencil_(width),
+      species_(std::move(species)) {
+  make_links(n_species, corners);
+}
+
+HaloExchange::HaloExchange(const Decomposition& decomposition, const Boundary& boundary, int n_species, std::vector<int> widths,
+                           int stencil, std::vector<int> species)
+    : decomposition_(&decomposition), boundary_(&boundary), widths_(std::move(widths)), stencil_(stencil), species_(std::move(species)) {
+  make_links(n_species, true);
+}
+
+HaloExchange::Strip HaloExchange::strip(const Link& link, int width) const {
+  Strip s{};
+  const auto along = [width](int offset, int n, int& send, int& recv, int& length) {
     send = offset > 0 ? n - width : 0;
     recv = offset < 0 ? -width : (offset > 0 ? n : 0);
     length = offset == 0 ? n : width;
   };
+  along(link.dx, decomposition_->n_x(), s.send_i, s.recv_i, s.n_i);
+  along(link.dy, decomposition_->n_y(), s.send_j, s.recv_j, s.n_j);
+  return s;
+}
+
+void HaloExchange::make_links(int n_species, bool corners) {
+  if (species_.empty()) {
+    species_.resize(static_cast<std::size_t>(n_species));
+    std::iota(species_.begin(), species_.end(), 0);
+  }
+  const Decomposition& d = *decomposition_;
+  check_width(d, *boundary_, *std::max_element(widths_.begin(), widths_.end()), stencil_);
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       if (dx == 0 && dy == 0) continue;
@@ -61,13 +77,12 @@ HaloExchange::HaloExchange(const Decomposition& decomposition, const Boundary& b
       if (dx != 0 && dy != 0 && !corners) continue;
       const int rank = d.neighbour(dx, dy);
       if (rank == MPI_PROC_NULL) continue;
-      Link link{};
-      link.dx = dx;
-      link.dy = dy;
-      link.rank = rank;
-      strip(dx, d.n_x(), link.send_i, link.recv_i, link.n_i);
-      strip(dy, d.n_y(), link.send_j, link.recv_j, link.n_j);
-      const auto size = static_cast<std::size_t>(link.n_i) * static_cast<std::size_t>(link.n_j) * species_.size() * n_fields_;
+      Link link{dx, dy, rank, {}, {}};
+      std::size_t size = 0;
+      for (int width : widths_) {
+        const Strip s = strip(link, width);
+        size += static_cast<std::size_t>(s.n_i) * static_cast<std::size_t>(s.n_j) * species_.size();
+      }
       link.send.resize(size);
       if (rank != d.comm().rank()) link.recv.resize(size);
       links_.push_back(std::move(link));
@@ -98,11 +113,13 @@ HaloExchange::~HaloExchange() {
 
 void HaloExchange::pack(Link& link) const {
   double* out = link.send.data();
-  for (const Field* field : open_) {
+  for (std::size_t k = 0; k < open_.size(); ++k) {
+    const Strip strip_of_field = strip(link, widths_[k]);
+    const auto& [send_i, send_j, recv_i, recv_j, n_i, n_j] = strip_of_field;
     for (int s : species_) {
-      for (int j = 0; j < link.n_j; ++j) {
-        std::memcpy(out, field->row(s, link.send_j + j) + link.send_i, static_cast<std::size_t>(link.n_i) * sizeof(double));
-        out += link.n_i;
+      for (int j = 0; j < n_j; ++j) {
+        std::memcpy(out, open_[k]->row(s, send_j + j) + send_i, static_cast<std::size_t>(n_i) * sizeof(double));
+        out += n_i;
       }
     }
   }
@@ -110,11 +127,13 @@ void HaloExchange::pack(Link& link) const {
 
 void HaloExchange::unpack(const std::vector<double>& buffer, const Link& link) const {
   const double* in = buffer.data();
-  for (Field* field : open_) {
+  for (std::size_t k = 0; k < open_.size(); ++k) {
+    const Strip strip_of_field = strip(link, widths_[k]);
+    const auto& [send_i, send_j, recv_i, recv_j, n_i, n_j] = strip_of_field;
     for (int s : species_) {
-      for (int j = 0; j < link.n_j; ++j) {
-        std::memcpy(field->row(s, link.recv_j + j) + link.recv_i, in, static_cast<std::size_t>(link.n_i) * sizeof(double));
-        in += link.n_i;
+      for (int j = 0; j < n_j; ++j) {
+        std::memcpy(open_[k]->row(s, recv_j + j) + recv_i, in, static_cast<std::size_t>(n_i) * sizeof(double));
+        in += n_i;
       }
     }
   }
@@ -122,9 +141,9 @@ void HaloExchange::unpack(const std::vector<double>& buffer, const Link& link) c
 
 void HaloExchange::begin(std::span<Field* const> fields) {
   if (!open_.empty()) throw Error(ErrorKind::bug, "halo exchange begun while the previous one is open");
-  if (fields.size() != n_fields_) throw Error(ErrorKind::bug, "halo exchange of another number of fields than it was made for");
-  for (const Field* field : fields) {
-    if (field->halo() < width_) throw Error(ErrorKind::bug, "halo exchange wider than a field's halo");
+  if (fields.size() != widths_.size()) throw Error(ErrorKind::bug, "halo exchange of another number of fields than it was made for");
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    if (fields[k]->halo() < widths_[k]) throw Error(ErrorKind::bug, "halo exchange wider than a field's halo");
   }
   open_.assign(fields.begin(), fields.end());
   for (Link& link : links_) {
@@ -150,7 +169,7 @@ void HaloExchange::finish() {
       if (opposite.dx == -link.dx && opposite.dy == -link.dy) unpack(opposite.send, link);
     }
   }
-  for (Field* field : open_) boundary_->fill_halo(*field, width_, species_);
+  for (std::size_t k = 0; k < open_.size(); ++k) boundary_->fill_halo(*open_[k], stencil_, species_, widths_[k]);
   open_.clear();
 }
 

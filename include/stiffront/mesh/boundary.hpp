@@ -55,11 +55,13 @@ class Boundary {
   /// The number of evolving points of the whole grid.
   std::int64_t free_points(const Grid& grid) const;
 
-  /// Fills the halo of the given species beyond physical sides; halos from neighbours must be there already. Where the grid has a
-  /// sub-cell nobody looks beyond the side.
-  void fill_halo(Field& u, int width, std::span<const int> species) const;
-  /// Sets Dirichlet points to their values at time t. A point of two Dirichlet sides takes the x side's value.
-  void impose(Field& u, double t) const;
+  /// Fills `width` points of the halo of the given species beyond physical sides; halos from neighbours must be there already. Where the grid has a
+  /// sub-cell nobody looks beyond the side. Along a side this includes `reach` points of the halos of neighbours.
+  void fill_halo(Field& u, int width, std::span<const int> species, int reach) const;
+  void fill_halo(Field& u, int width, std::span<const int> species) const { fill_halo(u, width, species, width); }
+  /// Sets Dirichlet points to their values at time t. A point of two Dirichlet sides takes the x side's value. Along a side this includes
+  /// `reach` points of the halos of neighbours.
+  void impose(Field& u, double t, int reach = 0) const;
 
  private:
   std::array<std::array<BoundarySide, 2>, 2> sides_;

@@ -23,6 +23,10 @@ class HaloExchange {
   /// @throws Error(input) on every rank if a box is too small.
   HaloExchange(const Decomposition& decomposition, const Boundary& boundary, int n_species, int n_fields, int width,
                std::vector<int> species = {}, bool corners = false);
+  /// For stencils of width `stencil` applied several times per exchange: each field has a width of its own, corners are included in two
+  /// dimensions, and only `stencil` points are filled beyond physical sides, along the halos of neighbours too.
+  HaloExchange(const Decomposition& decomposition, const Boundary& boundary, int n_species, std::vector<int> widths, int stencil,
+               std::vector<int> species);
   HaloExchange(const HaloExchange&) = delete;
   HaloExchange& operator=(const HaloExchange&) = delete;
   ~HaloExchange();
@@ -40,7 +44,7 @@ class HaloExchange {
     exchange(std::span<Field* const>(&f, 1));
   }
 
-  int width() const { return width_; }
+  int width() const { return widths_.front(); }
   /// Exchanges done so far, and the bytes this rank sent in them.
   std::int64_t count() const { return count_; }
   std::int64_t bytes_sent() const { return bytes_sent_; }
@@ -51,21 +55,26 @@ class HaloExchange {
   struct Link {
     int dx, dy;
     int rank;
-    int send_i, send_j, recv_i, recv_j;  // first point of the strips
-    int n_i, n_j;
     std::vector<double> send, recv;
   };
+  /// Part of a field that travels through a link.
+  struct Strip {
+    int send_i, send_j, recv_i, recv_j;  // first points
+    int n_i, n_j;
+  };
+  void make_links(int n_species, bool corners);
+  Strip strip(const Link& link, int width) const;
   void pack(Link& link) const;
   void unpack(const std::vector<double>& buffer, const Link& link) const;
 
   const Decomposition* decomposition_;
   const Boundary* boundary_;
-  int width_;
+  std::vector<int> widths_;  ///< of each field
+  int stencil_;
   std::vector<int> species_;
   std::vector<Link> links_;
   std::vector<MPI_Request> requests_;
   std::vector<Field*> open_;
-  std::size_t n_fields_;
   std::int64_t count_ = 0;
   std::int64_t bytes_sent_ = 0;
   double seconds_waited_ = 0.0;
