@@ -107,7 +107,14 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
         const Outcome got = run<M>(shared, tolerance, amplitude, max_sweeps);
         EXPECT_EQ(got.dt, expected.dt);
         EXPECT_EQ(got.error, expected.error);
-        EXPECT_EQ(got.work.halo_exchanges, got.work.sweeps + got.work.line_solves);
+        // One exchange per step where no values are given at the sides and a division does not cut a periodic direction in x.
+        const bool served = setting.y != BoundaryKind::dirichlet &&
+                            (setting.x == BoundaryKind::neumann || (setting.x == BoundaryKind::periodic && layout[0] == 1 && setting.grid.dimension == 2));
+        if (served && world.size() > 1 && got.work.line_solves == 0 && got.work.sweeps > static_cast<std::int64_t>(got.dt.size()) &&
+            got.work.sweeps < 8 * static_cast<std::int64_t>(got.dt.size())) {
+          EXPECT_LT(got.work.halo_exchanges, got.work.sweeps) << "steps of several sweeps exchange once";
+        }
+        EXPECT_LE(got.work.halo_exchanges, got.work.sweeps + got.work.line_solves);
         EXPECT_EQ(got.work.line_solves, expected.work.line_solves);
         // One agreement per attempt, and those of the first step.
         EXPECT_LE(world.reductions() - before, static_cast<std::int64_t>(got.dt.size()) + 3);

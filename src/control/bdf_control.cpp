@@ -92,8 +92,9 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
     is_starting_ = false;
   }
   room_ = target / dt_next;
-  // Also a step that is kept may have become dearer than a somewhat shorter one.
-  const double economic = limit(order_, dt_next);
+  // A step that need not grow any more may be dearer than a somewhat shorter one.
+  const bool grows = target > worth_raising * dt_next;
+  const double economic = std::min(dt_next, limit(order_, grows ? std::numeric_limits<double>::infinity() : dt_next));
   if (economic != dt_next && economic != dt) held_ = 0;
   return economic;
 }

@@ -101,13 +101,17 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
     }
     economic_steps_[static_cast<std::size_t>(order)] = cap_step(order, std::numeric_limits<double>::infinity());
   }
+  if (wavefront_ && wavefront_->halo() > shape.halo()) {
+    predictor_ = Field(shape.decomposition(), shape.n_species(), wavefront_->halo());
+    right_side_ = predictor_.similar();
+  }
   for (Made& made : made_) made.extremes.resize(2 * static_cast<std::size_t>(shape.n_species()));
   if (wavefront_) {
-    for (int k = 1; k < wavefront_->steps_together(1); ++k) ahead_.push_back(predictor_.similar());
+    for (int k = 1; k < wavefront_->steps_together(1); ++k) ahead_.push_back(shape.similar());
   }
   absolute_.resize(static_cast<std::size_t>(shape.n_species()), 0.0);
   const Decomposition& decomposition = shape.decomposition();
-  for (int i = 0; i < options_.max_order; ++i) history_.push_back(predictor_.similar());
+  for (int i = 0; i < options_.max_order; ++i) history_.push_back(shape.similar());
 
   // What needs no halo can be swept while messages travel. Columns at the sides come in whole packs.
   const int w = diffusion_->halo_width();
@@ -356,7 +360,7 @@ bool Sbdf::take_made(double t, double dt, const Step& step, Field& u_new) {
 }
 
 void Sbdf::make_steps(double t, double dt, const Step& step, const Field& u, Field& u_new) {
-  const bool in_wavefront = wavefront_ && step.sweeps > 0;
+  const bool in_wavefront = is_in_wavefront(step);
   made_count_ = 1;
   if (in_wavefront && !ahead_.empty()) {
     made_count_ = static_cast<std::size_t>(std::min(control_.likely_alike(), wavefront_->steps_together(step.sweeps)));
@@ -429,7 +433,7 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   const auto passes = static_cast<std::int64_t>(shifts_of(step).size());
   const auto cells = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
   (step.sweeps == 0 ? attempt.work.line_solves : attempt.work.sweeps) = passes;
-  attempt.work.halo_exchanges = passes;
+  attempt.work.halo_exchanges = is_in_wavefront(step) && wavefront_->has_neighbours() ? 1 : passes;
   attempt.work.reaction_rhs = attempt.work.reaction_jacobians = cells * passes;
 
   BdfErrors errors;
@@ -475,7 +479,7 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   const bool avoided_ringing = control_.avoids_ringing();
   const auto limit = [&](int order, double wanted) {
     const double cap = cap_step(order, wanted);
-    if (std::isfinite(wanted)) is_limited = cap < 0.7 * wanted && cap < 1.2 * dt;
+    if (std::isfinite(wanted)) is_limited |= cap < 0.7 * wanted && cap < 1.2 * dt;
     return cap;
   };
   attempt.dt_next = control_.accepted(dt, errors, std::ref(limit));  // a reference needs no memory of its own

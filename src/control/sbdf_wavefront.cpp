@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 namespace stiffront {
@@ -19,11 +20,14 @@ constexpr std::ptrdiff_t last_level = 16 * 1024 * 1024;
 /// Points that are taken through all sweeps at a time: enough to make what a call costs small. Measured.
 constexpr int piece = 2048;
 
+/// Sweeps that a step next to other ranks may have, at most: an exchange is made for each number.
+constexpr std::array exchange_depths{1, 2, 3, 4, 6, 8, 12, 16};
+
 }  // namespace
 
 bool SbdfWavefront::serves(const Decomposition& d, const Boundary& boundary) {
-  if (boundary.has_dirichlet() || d.processes() != std::array<int, 2>{1, 1}) return false;
-  return d.grid().dimension == 2 || !d.grid().periodic[0];
+  if (boundary.has_dirichlet()) return false;
+  return !d.grid().periodic[0] || (d.grid().dimension == 2 && d.processes()[0] == 1);
 }
 
 SbdfWavefront::Rings::Rings(const Field& shape, int rows, int width, int sweeps)
@@ -43,35 +47,67 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
       width_(diffusion.halo_width()),
       periodic_x_(decomposition_->grid().periodic[0]),
       periodic_y_(decomposition_->grid().periodic[1]),
-      row_length_(n_x_ + 2 * width_),
       row_bytes_(shape.row_stride() * n_species_ * static_cast<int>(sizeof(double))),
       depth_(max_sweeps),
       together_(together) {
-  if (decomposition_->grid().dimension == 1) return;
+  const auto is_other = [&](int dx, int dy) {
+    const int rank = decomposition_->neighbour(dx, dy);
+    return rank != MPI_PROC_NULL && rank != decomposition_->comm().rank();
+  };
+  left_ = is_other(-1, 0);
+  right_ = is_other(1, 0);
+  lower_ = is_other(0, -1);
+  upper_ = is_other(0, 1);
+  has_neighbours_ = decomposition_->comm().size() > 1;
+  if (has_neighbours_) {
+    const Grid& grid = decomposition_->grid();
+    std::int64_t thinnest = std::numeric_limits<std::int64_t>::max();
+    for (std::size_t k = 0; k < static_cast<std::size_t>(grid.dimension); ++k) {
+      if (decomposition_->processes()[k] > 1) thinnest = std::min(thinnest, grid.points[k] / decomposition_->processes()[k]);
+    }
+    depth_ = 0;
+    for (int sweeps : exchange_depths) {
+      if (sweeps * width_ > thinnest || sweeps > std::max(max_sweeps, 1)) break;
+      const std::vector<int> widths(2, sweeps * width_);
+      exchanges_.push_back({sweeps, std::make_unique<HaloExchange>(*decomposition_, diffusion.boundary(), n_species_, widths, width_,
+                                                                   std::vector<int>())});
+      depth_ = sweeps;
+    }
+    reach_ = depth_ * width_;
+  }
+  if (decomposition_->grid().dimension == 1) {
+    for (int k = 0; k < 2 && has_neighbours_; ++k) line_states_.emplace_back(*decomposition_, n_species_, std::max(reach_, width_));
+    return;
+  }
   rows_ = std::clamp(piece / n_x_, 1, 16);
   // A sweep adds its own window of rows and keeps those of predictor and right side alive longer.
   const std::ptrdiff_t fits = (cache_share / row_bytes_ - 2 * rows_) / (rows_ + 5 * width_);
-  depth_ = depth > 0 ? depth : static_cast<int>(std::clamp<std::ptrdiff_t>(fits, 1, max_sweeps));
+  const int wanted = depth > 0 ? depth : static_cast<int>(std::clamp<std::ptrdiff_t>(fits, 1, max_sweeps));
+  depth_ = has_neighbours_ ? std::min(depth_, wanted) : wanted;
   // A periodic direction is unrolled once at most.
-  depth_ = std::clamp(depth_, 1, std::max(1, n_y_ / width_));
-  rings_.emplace_back(shape, rows_, width_, depth_);
+  depth_ = std::min(depth_, std::max(1, n_y_ / width_));
+  if (depth_ == 0) return;
+  const Field wide(*decomposition_, n_species_, std::max(reach_, shape.halo()));
+  rings_.emplace_back(wide, rows_, width_, depth_);
   int most = 1;
   for (int sweeps = 1; sweeps <= depth_; ++sweeps) most = std::max(most, steps_together(sweeps));
-  for (int k = 1; k < most; ++k) rings_.emplace_back(shape, rows_, width_, depth_);
-  for (int k = 0; k < 2; ++k) tests_.emplace_back(shape, rows_ + (depth_ + 1) * width_);
+  for (int k = 1; k < most; ++k) rings_.emplace_back(wide, rows_, width_, depth_);
+  for (int k = 0; k < 2; ++k) tests_.emplace_back(wide, rows_ + (depth_ + 1) * width_);
 }
 
 int SbdfWavefront::steps_together(int sweeps) const {
-  if (decomposition_->grid().dimension == 1 || periodic_y_ || sweeps > depth_) return 1;
+  if (decomposition_->grid().dimension == 1 || periodic_y_ || has_neighbours_ || sweeps > depth_) return 1;
   if (together_ > 0) return std::min(together_, max_steps);
   return row_bytes_ * n_y_ * static_cast<std::ptrdiff_t>(bdf_max_points) > last_level ? max_steps : 1;
 }
 
 void SbdfWavefront::run(std::span<const Step> steps, Field& predictor, Field& right_side, Field& work, const Finished& finished) {
   if (decomposition_->grid().dimension == 1) {
-    line(steps[0], predictor, right_side, work, finished);
+    has_neighbours_ ? line_next_to_others(steps[0], predictor, right_side, finished)
+                    : line(steps[0], predictor, right_side, work, finished);
     return;
   }
+  if (has_neighbours_) exchange(steps[0], predictor, right_side);
   std::array<Leg, max_steps> legs;
   const auto sweeps = static_cast<int>(steps[0].shifts.size());
   const int passes = (sweeps + depth_ - 1) / depth_;
@@ -83,7 +119,7 @@ void SbdfWavefront::run(std::span<const Step> steps, Field& predictor, Field& ri
       legs[k].to = steps[k].u_new;
       legs[k].finishes = true;
     }
-    pass_over_rows(steps, std::span(legs).first(steps.size()), finished);
+    pass_over_rows(steps, std::span(legs).first(steps.size()), predictor, right_side, finished);
     return;
   }
   const Field* from = nullptr;
@@ -96,7 +132,7 @@ void SbdfWavefront::run(std::span<const Step> steps, Field& predictor, Field& ri
     leg.predictor = &predictor;
     leg.right_side = &right_side;
     leg.finishes = p == passes - 1;
-    pass_over_rows(steps, std::span(legs).first(1), finished);
+    pass_over_rows(steps, std::span(legs).first(1), predictor, right_side, finished);
     from = leg.to;
   }
 }
@@ -105,55 +141,97 @@ void SbdfWavefront::fill_row_ends(const Rows& rows, int j) const {
   for (int s = 0; s < n_species_; ++s) {
     double* const row = rows.row(s, j);
     for (int k = 1; k <= width_; ++k) {
-      row[-k] = periodic_x_ ? row[n_x_ - k] : row[k];
-      row[n_x_ - 1 + k] = periodic_x_ ? row[k - 1] : row[n_x_ - 1 - k];
+      if (!left_) row[-k] = periodic_x_ ? row[n_x_ - k] : row[k];
+      if (!right_) row[n_x_ - 1 + k] = periodic_x_ ? row[k - 1] : row[n_x_ - 1 - k];
     }
   }
 }
 
 void SbdfWavefront::mirror_row(const Rows& rows, int from, int to) const {
   for (int s = 0; s < n_species_; ++s) {
-    std::memcpy(rows.row(s, to) - width_, rows.row(s, from) - width_,
-                static_cast<std::size_t>(row_length_) * sizeof(double));
+    const int beyond = std::max(width_, reach_);
+    std::memcpy(rows.row(s, to) - beyond, rows.row(s, from) - beyond, static_cast<std::size_t>(n_x_ + 2 * beyond) * sizeof(double));
   }
 }
 
-/// What the first sweep of a leg starts from, at rows that are those `shift` further on.
-void SbdfWavefront::begin_rows(const Step& step, const Leg& leg, Rings& rings, const FreeBox& box, int shift) {
+/// Brings predictor and right side up to the depth of the step's sweeps around the box; inside they are made only as far as the
+/// neighbours look.
+void SbdfWavefront::exchange(const Step& step, Field& predictor, Field& right_side) {
+  const auto sweeps = static_cast<int>(step.shifts.size());
+  const Exchange& fitting = *std::find_if(exchanges_.begin(), exchanges_.end(), [&](const Exchange& e) { return e.sweeps >= sweeps; });
+  const int depth = fitting.sweeps * width_;
+  const int below = lower_ ? std::min(depth, n_y_) : 0;
+  const int above = upper_ ? std::max(below, n_y_ - depth) : n_y_;
+  const int before = left_ ? std::min(depth, n_x_) : 0;
+  const int after = right_ ? std::max(before, n_x_ - depth) : n_x_;
+  for (const FreeBox& strip : {FreeBox{0, n_x_, 0, below}, FreeBox{0, n_x_, above, n_y_}, FreeBox{0, before, below, above},
+                               FreeBox{after, n_x_, below, above}}) {
+    if (strip.i_begin >= strip.i_end || strip.j_begin >= strip.j_end) continue;
+    bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, rows_of(predictor),
+                rows_of(right_side), strip);
+  }
+  const std::array<Field*, 2> fields{&predictor, &right_side};
+  fitting.halos->begin(fields);
+  fitting.halos->finish();
+}
+
+/// What the first sweep of a leg starts from, at rows of the box and beyond. On a single rank those beyond are the rows `shift` further
+/// on, at the other end of a periodic direction; next to other ranks they and the columns beyond came from there.
+void SbdfWavefront::begin_rows(const Step& step, const Leg& leg, Rings& rings, const FreeBox& box, int shift, const Field& predictor,
+                               const Field& right_side) {
   const Rows start = rings.predictor.rows();
-  const Rows right_side = rings.right_side.rows();
-  const auto copy = [&](const ConstRows& from, int j_from, const Rows& to, int j_to) {
-    for (int s = 0; s < n_species_; ++s) {
-      std::memcpy(to.row(s, j_to), from.row(s, j_from), static_cast<std::size_t>(n_x_) * sizeof(double));
+  const Rows r = rings.right_side.rows();
+  const auto copy = [&](const ConstRows& from, int j_from, const Rows& to, int j_to, int i_begin, int i_end) {
+    for (int s = 0; s < n_species_ && i_begin < i_end; ++s) {
+      std::memcpy(to.row(s, j_to) + i_begin, from.row(s, j_from) + i_begin, static_cast<std::size_t>(i_end - i_begin) * sizeof(double));
     }
   };
+  if (has_neighbours_) {
+    const auto copy_both = [&](int j, int i_begin, int i_end) {
+      copy(rows_of(predictor), j, start, j, i_begin, i_end);
+      copy(rows_of(right_side), j, r, j, i_begin, i_end);
+    };
+    for (int j = box.j_begin; j < box.j_end; ++j) {
+      if (shift == 0) {
+        copy_both(j, box.i_begin, 0);
+        copy_both(j, n_x_, box.i_end);
+      } else {
+        copy_both(j, box.i_begin, box.i_end);
+      }
+    }
+    if (shift != 0) return;
+  }
+  const FreeBox own{0, n_x_, box.j_begin, box.j_end};
   if (leg.from == nullptr) {
-    bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, start, right_side, box, shift);
+    bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, start, r, own, shift);
     if (leg.predictor == nullptr) {
-      if (step.tests_order) bdf_combine(step.states, step.lower, step.upper, tests_[0].rows(), tests_[1].rows(), box, shift);
+      if (step.tests_order) bdf_combine(step.states, step.lower, step.upper, tests_[0].rows(), tests_[1].rows(), own, shift);
       return;
     }
     if (shift != 0) return;
   }
   for (int j = box.j_begin; j < box.j_end; ++j) {
     if (leg.from == nullptr) {
-      copy(start, j, rows_of(*leg.predictor), j);
-      copy(right_side, j, rows_of(*leg.right_side), j);
+      copy(start, j, rows_of(*leg.predictor), j, 0, n_x_);
+      copy(r, j, rows_of(*leg.right_side), j, 0, n_x_);
     } else {
-      copy(rows_of(*leg.from), j + shift, start, j);
-      copy(rows_of(*leg.right_side), j + shift, right_side, j);
+      copy(rows_of(*leg.from), j + shift, start, j, 0, n_x_);
+      copy(rows_of(*leg.right_side), j + shift, r, j, 0, n_x_);
     }
   }
 }
 
-void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Finished& finished) {
+void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Field& predictor,
+                                   const Field& right_side, const Finished& finished) {
   int all_sweeps = 0;
   for (const Leg& leg : legs) all_sweeps += leg.last - leg.first;
-  // A periodic direction, if there is one leg, is unrolled as far as the sweeps to come look: state k of it goes through
-  // rows -extra .. n_y - 1 + extra.
-  const auto extra = [&](int k) { return periodic_y_ ? (all_sweeps - k) * width_ : 0; };
+  // One leg alone goes beyond the box as far as the sweeps to come look: into the halos next to other ranks, and on a single rank
+  // along an unrolled periodic direction.
+  const bool unrolled = periodic_y_ && !lower_ && !upper_;
+  const auto below = [&](int k) { return beyond(lower_ || unrolled, all_sweeps, k); };
+  const auto above = [&](int k) { return beyond(upper_ || unrolled, all_sweeps, k); };
 
-  for (int front = -extra(0); front < n_y_ + all_sweeps * width_; front += rows_) {
+  for (int front = -below(0); front < n_y_ + all_sweeps * width_; front += rows_) {
     int behind = 0;  // sweeps of the legs before
     for (std::size_t l = 0; l < legs.size(); ++l) {
       const Leg& leg = legs[l];
@@ -172,7 +250,8 @@ void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const 
       sweep.r = rings.right_side.rows();
       for (int k = 0; k <= sweeps; ++k) {
         const int at = front - (behind + k) * width_;
-        const FreeBox box{0, n_x_, std::max(at, -extra(k)), std::min(at + rows_, n_y_ + extra(k))};
+        const FreeBox box{-beyond(left_, all_sweeps, k), n_x_ + beyond(right_, all_sweeps, k), std::max(at, -below(k)),
+                          std::min(at + rows_, n_y_ + above(k))};
         if (box.j_begin >= box.j_end) continue;
         const Rows rows = state(k);
         if (k == 0) {
@@ -180,12 +259,12 @@ void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const 
           const int cuts[] = {box.j_begin, std::clamp(0, box.j_begin, box.j_end), std::clamp(n_y_, box.j_begin, box.j_end),
                               box.j_end};
           for (int part = 0; part < 3; ++part) {
-            const FreeBox there{0, n_x_, cuts[part], cuts[part + 1]};
-            if (cuts[part] < cuts[part + 1]) begin_rows(step, leg, rings, there, (1 - part) * n_y_);
+            const FreeBox there{box.i_begin, box.i_end, cuts[part], cuts[part + 1]};
+            if (cuts[part] < cuts[part + 1]) begin_rows(step, leg, rings, there, (1 - part) * n_y_, predictor, right_side);
           }
         } else {
           const Rows before = state(k - 1);
-          if (!periodic_y_ && box.j_begin == 0) {
+          if (!unrolled && !lower_ && box.j_begin == 0) {
             for (int g = 1; g <= width_; ++g) mirror_row(before, g, -g);
           }
           sweep.shift = step.shifts[static_cast<std::size_t>(leg.first + k - 1)];
@@ -203,7 +282,7 @@ void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const 
           continue;
         }
         for (int j = box.j_begin; j < box.j_end; ++j) fill_row_ends(rows, j);
-        if (!periodic_y_ && box.j_end == n_y_) {
+        if (!unrolled && !upper_ && box.j_end == n_y_) {
           for (int g = 1; g <= width_; ++g) mirror_row(rows, n_y_ - 1 - g, n_y_ - 1 + g);
         }
       }
@@ -253,6 +332,30 @@ void SbdfWavefront::line(const Step& step, Field& predictor, Field& right_side, 
       if (last) fill_end(u, n_x_ - 1, -1);
     }
   }
+}
+
+void SbdfWavefront::line_next_to_others(const Step& step, Field& predictor, Field& right_side, const Finished& finished) {
+  const auto sweeps = static_cast<int>(step.shifts.size());
+  exchange(step, predictor, right_side);
+  const FreeBox own{0, n_x_, 0, 1};
+  bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, rows_of(predictor),
+              rows_of(right_side), own);
+  SbdfSweep sweep;
+  sweep.t = step.t;
+  sweep.gamma = step.gamma;
+  sweep.decomposition = decomposition_;
+  sweep.r = rows_of(std::as_const(right_side));
+  Field* from = &predictor;
+  for (int k = 1; k <= sweeps; ++k) {
+    fill_row_ends(rows_of(*from), 0);
+    Field* const to = k == sweeps ? step.u_new : &line_states_[static_cast<std::size_t>(k % 2)];
+    sweep.shift = step.shifts[static_cast<std::size_t>(k - 1)];
+    sweep.v = rows_of(std::as_const(*from));
+    sweep.out = rows_of(*to);
+    kernel_->sweep(*diffusion_, sweep, {-beyond(left_, sweeps, k), n_x_ + beyond(right_, sweeps, k), 0, 1});
+    from = to;
+  }
+  finished(0, own, {rows_of(std::as_const(predictor)), {}, {}}, false);
 }
 
 }  // namespace stiffront

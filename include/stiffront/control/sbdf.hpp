@@ -56,7 +56,7 @@ double sbdf_step_tolerance(double relative_tolerance);
 /// likely to have the same size and order. They are what those attempts will be if nothing changes, to the bit, and thrown
 /// away if something does; the counts of work leave them out.
 ///
-/// @mpi    One halo exchange per sweep (diffusing species only), one agreement per step attempt; the messages of
+/// @mpi    One halo exchange per step where the wavefront serves the box, else one per sweep (diffusing species only); one agreement per step attempt; the messages of
 /// BlockTridiagonal in a step that couples all cells.
 /// @cost   per sweep and cell: one evaluation of rates and Jacobian, one m x m solve; 5 + max_order fields of memory, 7 + max_order where steps are made ahead
 /// @see    docs/sbdf.md; Hagstrom & Zhou, Commun. Appl. Math. Comput. Sci. 1(1), 2006, section 5 (the splitting of the
@@ -120,6 +120,7 @@ class Sbdf final : public Method {
   double norm(const ReproducibleSum& sum) const;
   /// Makes the new state, and likely next ones, and adds up their errors.
   void make_steps(double t, double dt, const Step& step, const Field& u, Field& u_new);
+  bool is_in_wavefront(const Step& step) const { return wavefront_ && step.sweeps > 0 && wavefront_->covers(step.sweeps); }
   /// The step, if it was made ahead.
   bool take_made(double t, double dt, const Step& step, Field& u_new);
   void make_by_sweeps(const Made& made, std::span<const Field* const> states, Field& u_new);

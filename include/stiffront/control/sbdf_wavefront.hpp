@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "stiffront/control/bdf_history.hpp"
+#include "stiffront/mesh/halo_exchange.hpp"
 #include "stiffront/mesh/row_ring.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
 #include "stiffront/space/diffusion_operator.hpp"
@@ -18,6 +20,11 @@ namespace stiffront {
 /// step may be followed by the next ones in the same pass, which find the history in cache. In one dimension they go piece
 /// by piece along the line. Every number is made by the same operations as in one pass per sweep: the bits are the same
 /// for every depth and number of steps.
+///
+/// Next to other ranks predictor and right side are exchanged once per step, on halos as deep as all sweeps reach, and every
+/// sweep is made on a box that is smaller by a stencil than the one before: what it does beyond the rank's own box its
+/// neighbour does too.
+/// @mpi one halo exchange per step, where there are neighbours
 class SbdfWavefront {
  public:
   /// Steps in one pass.
@@ -40,8 +47,8 @@ class SbdfWavefront {
   /// @param tested whether those of other orders are among them
   using Finished = std::function<void(std::size_t step, const FreeBox& box, const BdfPredictors& predictors, bool tested)>;
 
-  /// Whether boxes of this kind can be stepped so: those that need nothing from other ranks, without Dirichlet sides and,
-  /// in one dimension, not periodic.
+  /// Whether boxes of this kind can be stepped so: those without Dirichlet sides and not periodic in x, unless x is not divided and
+  /// there are two dimensions.
   static bool serves(const Decomposition& decomposition, const Boundary& boundary);
 
   /// @param max_sweeps the most sweeps of a step
@@ -50,13 +57,18 @@ class SbdfWavefront {
   SbdfWavefront(const Field& shape, const DiffusionOperator& diffusion, const SbdfKernel& kernel, int max_sweeps,
                 int depth = 0, int together = 0);
 
+  /// Whether steps of so many sweeps can be made: next to other ranks as many as the halos are deep.
+  bool covers(int sweeps) const { return !has_neighbours_ || sweeps <= depth_; }
+  bool has_neighbours() const { return has_neighbours_; }
+  /// Halo that predictor and right side need.
+  int halo() const { return reach_; }
   /// How many steps of so many sweeps a pass may take.
   int steps_together(int sweeps) const;
   /// Whether the predictors of other orders are made on the way of a step of so many sweeps.
   bool tests_on_the_way(int sweeps) const { return !tests_.empty() && sweeps <= depth_; }
 
   /// @param steps at most steps_together() of them, each one's new state the newest of the next one's states
-  /// @param predictor, right_side, work fields of the shape, overwritten
+  /// @param predictor, right_side with a halo of halo(), work a field of the shape; overwritten
   void run(std::span<const Step> steps, Field& predictor, Field& right_side, Field& work, const Finished& finished);
 
  private:
@@ -78,9 +90,15 @@ class SbdfWavefront {
     RowRing right_side;
     std::vector<RowRing> stages;
   };
-  void pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Finished& finished);
+  void pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Field& predictor, const Field& right_side,
+                      const Finished& finished);
   void line(const Step& step, Field& predictor, Field& right_side, Field& work, const Finished& finished);
-  void begin_rows(const Step& step, const Leg& leg, Rings& rings, const FreeBox& box, int shift);
+  /// Points beyond the box that state k of a pass of so many sweeps has, on the side of another rank.
+  int beyond(bool neighbour, int sweeps, int k) const { return neighbour ? (sweeps - k) * width_ : 0; }
+  void exchange(const Step& step, Field& predictor, Field& right_side);
+  void line_next_to_others(const Step& step, Field& predictor, Field& right_side, const Finished& finished);
+  void begin_rows(const Step& step, const Leg& leg, Rings& rings, const FreeBox& box, int shift, const Field& predictor,
+                  const Field& right_side);
   void fill_row_ends(const Rows& rows, int j) const;
   void mirror_row(const Rows& rows, int from, int to) const;
 
@@ -91,13 +109,22 @@ class SbdfWavefront {
   int n_x_, n_y_;
   int width_;
   bool periodic_x_, periodic_y_;
-  std::ptrdiff_t row_length_;  ///< halo included
   std::ptrdiff_t row_bytes_;   ///< of all species
   int rows_ = 1;               ///< taken through all sweeps at a time
   int depth_;
   int together_;
   std::vector<Rings> rings_;        ///< by leg; none in one dimension
   std::vector<RowRing> tests_;      ///< predictors of lower and upper order
+
+  bool left_, right_, lower_, upper_;  ///< whether another rank is there
+  bool has_neighbours_;
+  int reach_ = 0;                      ///< halo of predictor and right side
+  struct Exchange {
+    int sweeps;
+    std::unique_ptr<HaloExchange> halos;
+  };
+  std::vector<Exchange> exchanges_;    ///< from the shallowest to the deepest
+  std::vector<Field> line_states_;     ///< two, on a line next to others
 };
 
 }  // namespace stiffront
