@@ -71,10 +71,14 @@ void Boundary::fill_halo(Field& u, int width, std::span<const int> species, int 
   // Beyond a physical side nothing but what this function puts there.
   const auto beyond = [&](int direction, int which) { return d.at_boundary(direction, which) ? width : reach; };
   const bool in_plane = d.grid().dimension == 2;
+  const int i_begin = -beyond(0, 0);
+  const int i_end = u.n_x() + beyond(0, 1);
+  const int j_begin = in_plane ? -beyond(1, 0) : 0;
+  const int j_end = u.n_y() + (in_plane ? beyond(1, 1) : 0);
   for (int s : species) {
     for (int which = 0; which < 2; ++which) {
       if (!d.at_boundary(0, which) || d.grid().sub_cell[0][static_cast<std::size_t>(which)]) continue;
-      for (int j = in_plane ? -beyond(1, 0) : 0; j < u.n_y() + (in_plane ? beyond(1, 1) : 0); ++j) {
+      for (int j = j_begin; j < j_end; ++j) {
         double* row = u.row(s, j);
         fill_line(which == 0 ? row : row + u.n_x() - 1, which == 0 ? 1 : -1, width, side(0, which).kind);
       }
@@ -84,7 +88,7 @@ void Boundary::fill_halo(Field& u, int width, std::span<const int> species, int 
       if (!d.at_boundary(1, which) || d.grid().sub_cell[1][static_cast<std::size_t>(which)]) continue;
       double* end = u.row(s, which == 0 ? 0 : u.n_y() - 1);
       const std::ptrdiff_t in = which == 0 ? u.row_stride() : -u.row_stride();
-      for (int i = -beyond(0, 0); i < u.n_x() + beyond(0, 1); ++i) fill_line(end + i, in, width, side(1, which).kind);
+      for (int i = i_begin; i < i_end; ++i) fill_line(end + i, in, width, side(1, which).kind);
     }
   }
 }
