@@ -19,6 +19,7 @@ constexpr std::ptrdiff_t last_level = 16 * 1024 * 1024;
 
 /// Points that are taken through all sweeps at a time: enough to make what a call costs small. Measured.
 constexpr int piece = 2048;
+constexpr int piece_of_rows = 4096;
 
 /// Sweeps that a step next to other ranks may have, at most: an exchange is made for each number.
 constexpr std::array exchange_depths{1, 2, 3, 4, 6, 8, 12, 16};
@@ -31,8 +32,7 @@ bool SbdfWavefront::serves(const Decomposition& d, const Boundary& boundary) {
 }
 
 SbdfWavefront::Rings::Rings(const Field& shape, int rows, int width, int sweeps)
-    // Predictor and right side are read until the last sweep, `sweeps` stencils behind.
-    : predictor(shape, rows + (sweeps + 1) * width), right_side(shape, rows + (sweeps + 1) * width) {
+    : predictor(shape, window(rows, width, sweeps)), right_side(shape, window(rows, width, sweeps)) {
   for (int k = 1; k < sweeps; ++k) stages.emplace_back(shape, rows + 3 * width);
 }
 
@@ -79,7 +79,7 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
     for (int k = 0; k < 2 && has_neighbours_; ++k) line_states_.emplace_back(*decomposition_, n_species_, std::max(reach_, width_));
     return;
   }
-  rows_ = std::clamp(piece / n_x_, 1, 16);
+  rows_ = std::clamp(piece_of_rows / n_x_, 1, 16);
   // A sweep adds its own window of rows and keeps those of predictor and right side alive longer.
   const std::ptrdiff_t fits = (cache_share / row_bytes_ - 2 * rows_) / (rows_ + 5 * width_);
   const int wanted = depth > 0 ? depth : static_cast<int>(std::clamp<std::ptrdiff_t>(fits, 1, max_sweeps));
@@ -92,7 +92,7 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
   int most = 1;
   for (int sweeps = 1; sweeps <= depth_; ++sweeps) most = std::max(most, steps_together(sweeps));
   for (int k = 1; k < most; ++k) rings_.emplace_back(wide, rows_, width_, depth_);
-  for (int k = 0; k < 2; ++k) tests_.emplace_back(wide, rows_ + (depth_ + 1) * width_);
+  for (int k = 0; k < 2; ++k) tests_.emplace_back(wide, window(rows_, width_, depth_));
 }
 
 int SbdfWavefront::steps_together(int sweeps) const {
@@ -179,8 +179,9 @@ void SbdfWavefront::exchange(const Step& step, Field& predictor, Field& right_si
 /// on, at the other end of a periodic direction; next to other ranks they and the columns beyond came from there.
 void SbdfWavefront::begin_rows(const Step& step, const Leg& leg, Rings& rings, const FreeBox& box, int shift, const Field& predictor,
                                const Field& right_side) {
-  const Rows start = rings.predictor.rows();
-  const Rows r = rings.right_side.rows();
+  const int alive = window(rows_, width_, leg.last - leg.first);
+  const Rows start = rings.predictor.rows(alive);
+  const Rows r = rings.right_side.rows(alive);
   const auto copy = [&](const ConstRows& from, int j_from, const Rows& to, int j_to, int i_begin, int i_end) {
     for (int s = 0; s < n_species_ && i_begin < i_end; ++s) {
       std::memcpy(to.row(s, j_to) + i_begin, from.row(s, j_from) + i_begin, static_cast<std::size_t>(i_end - i_begin) * sizeof(double));
@@ -205,7 +206,8 @@ void SbdfWavefront::begin_rows(const Step& step, const Leg& leg, Rings& rings, c
   if (leg.from == nullptr) {
     bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, start, r, own, shift);
     if (leg.predictor == nullptr) {
-      if (step.tests_order) bdf_combine(step.states, step.lower, step.upper, tests_[0].rows(), tests_[1].rows(), own, shift);
+      if (step.tests_order) bdf_combine(step.states, step.lower, step.upper, tests_[0].rows(alive), tests_[1].rows(alive), own,
+                                        shift);
       return;
     }
     if (shift != 0) return;
@@ -238,16 +240,17 @@ void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const 
       const Step& step = steps[leg.step];
       Rings& rings = rings_[l];
       const int sweeps = leg.last - leg.first;
-      const Rows start = rings.predictor.rows();
+      const int alive = window(rows_, width_, leg.last - leg.first);
+      const Rows start = rings.predictor.rows(alive);
       const auto state = [&](int k) {
         if (k == 0) return start;
-        return k == sweeps ? rows_of(*leg.to) : rings.stages[static_cast<std::size_t>(k - 1)].rows();
+        return k == sweeps ? rows_of(*leg.to) : rings.stages[static_cast<std::size_t>(k - 1)].rows(rows_ + 3 * width_);
       };
       SbdfSweep sweep;
       sweep.t = step.t;
       sweep.gamma = step.gamma;
       sweep.decomposition = decomposition_;
-      sweep.r = rings.right_side.rows();
+      sweep.r = rings.right_side.rows(alive);
       for (int k = 0; k <= sweeps; ++k) {
         const int at = front - (behind + k) * width_;
         const FreeBox box{-beyond(left_, all_sweeps, k), n_x_ + beyond(right_, all_sweeps, k), std::max(at, -below(k)),
@@ -277,7 +280,7 @@ void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const 
           if (leg.predictor != nullptr) {
             finished(leg.step, box, {rows_of(std::as_const(*leg.predictor)), {}, {}}, false);
           } else {
-            finished(leg.step, box, {start, tests_[0].rows(), tests_[1].rows()}, step.tests_order);
+            finished(leg.step, box, {start, tests_[0].rows(alive), tests_[1].rows(alive)}, step.tests_order);
           }
           continue;
         }

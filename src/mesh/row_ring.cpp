@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stiffront/mesh/row_ring.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace stiffront {
@@ -14,6 +15,12 @@ RowRing::RowRing(const Field& shape, int n_rows) {
   const std::ptrdiff_t species = n * stride + line;
   storage_ = aligned_zeros(static_cast<std::size_t>(shape.n_species() * species + line));
   rows_ = {storage_.get() + left, species, stride, static_cast<int>(n) - 1};
+}
+
+Rows RowRing::rows(int n_rows) {
+  Rows window = rows_;
+  window.mask = std::min(window.mask, static_cast<int>(std::bit_ceil(static_cast<unsigned>(n_rows))) - 1);
+  return window;
 }
 
 }  // namespace stiffront

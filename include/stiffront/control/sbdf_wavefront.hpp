@@ -93,6 +93,9 @@ class SbdfWavefront {
   void pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Field& predictor, const Field& right_side,
                       const Finished& finished);
   void line(const Step& step, Field& predictor, Field& right_side, Field& work, const Finished& finished);
+  /// Rows of predictor and right side alive at a time: the last sweep reads them `sweeps` stencils behind the front, the first one two
+  /// stencils, and at a side a stencil lies before it.
+  static int window(int rows, int width, int sweeps) { return rows + (sweeps + 2) * width; }
   /// Points beyond the box that state k of a pass of so many sweeps has, on the side of another rank.
   int beyond(bool neighbour, int sweeps, int k) const { return neighbour ? (sweeps - k) * width_ : 0; }
   void exchange(const Step& step, Field& predictor, Field& right_side);

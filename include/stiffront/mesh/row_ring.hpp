@@ -12,9 +12,9 @@ class RowRing {
   /// @param n_rows least number of rows alive at a time
   RowRing(const Field& shape, int n_rows);
 
-  /// Rows of the window; any index, the rows alive being those of the last n_rows written.
-  Rows rows() { return rows_; }
-  ConstRows rows() const { return rows_; }
+  /// Rows of a window of at most n_rows; any index, the rows alive being those of the last n_rows written. A narrower window takes less
+  /// of the cache.
+  Rows rows(int n_rows);
 
  private:
   AlignedArray storage_;
