@@ -81,7 +81,11 @@ std::vector<double> spatial_error(Problem& problem) {
 std::vector<std::string> advice(const Case& c, const Summary& summary, const ErrorRecord& errors, const std::vector<double>& in_space) {
   std::vector<std::string> lines;
   const double attempts = static_cast<double>(summary.accepted + summary.rejected);
-  if (errors.tolerance() > 0.0 && errors.estimates() > 0) {
+  if (summary.final_error) {
+    lines.push_back(fmt::format("error in time at the end: about {:.2g}, {:.2g} times the tolerance of a step, by a second solution with four times "
+                                "the step",
+                                *summary.final_error, *summary.final_error / errors.tolerance()));
+  } else if (errors.tolerance() > 0.0 && errors.estimates() > 0) {
     lines.push_back(fmt::format("error in time: every step's estimate is within the tolerance {:.2g} (largest {:.2g}, sum over {} steps {:.2g}). What is "
                                 "left of that at the end is up to the model: waves and patterns that attract forget most of it, chaos amplifies it. A "
                                 "run with a tolerance ten times smaller tells.",
@@ -96,7 +100,7 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
     lines.push_back(fmt::format("error in space: the differences of order {} miss {:.2g} % of the diffusion of {} in the final state; speeds and widths of "
                                 "fronts may be off by about as much{}{}",
                                 c.space.order, 100.0 * *worst, species, *worst > 0.01 ? "; " : "", *worst > 0.01 ? remedy : ""));
-    if (errors.tolerance() > 0.0 && errors.estimates() > 0 && *worst > 100.0 * errors.sum()) {
+    if (errors.tolerance() > 0.0 && errors.estimates() > 0 && *worst > 100.0 * summary.final_error.value_or(errors.sum())) {
       lines.emplace_back("the error in space is far above the one in time: a larger tolerance would do as well, and be faster");
     }
   }

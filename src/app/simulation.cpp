@@ -341,6 +341,7 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
     summary.status = "failed";
     summary.reason = failure->what();
   }
+  if (!failure) summary.final_error = stack.method().final_error(progress.t, problem.state, memory.work);
   PhaseSeconds phases;
   phases.output = output.seconds() - output_before;
   phases.total = wall_seconds() - began - phases.output;

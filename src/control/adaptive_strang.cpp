@@ -37,12 +37,17 @@ AdaptiveStrang::AdaptiveStrang(const Field& shape, const Boundary& boundary, con
       embedded_(shape.similar()),
       epsilon_(options_.epsilon) {
   if (options_.critical_step) two_steps_ = shape.similar();
+  if (options_.critical_step && options_.final_error > 0.0) {
+    companion_.emplace(reaction, diffusion, options_.order, shape, options_.final_error * options_.tolerance);
+  }
 }
 
 double AdaptiveStrang::first_step(double t, double t_end, Field& u) {
   const double first = trial_step(t, t_end, u);
   norm_.set_floors(floors_of_absent_species(flows_, t, t_end, first, u, *comm_, work_ahead_));
-  return first;
+  if (!companion_) return first;
+  companion_->begin(t, t_end, u, first);
+  return std::min(first, companion_->step_limit());
 }
 
 double AdaptiveStrang::trial_step(double t, double t_end, const Field& u) const {
@@ -50,7 +55,8 @@ double AdaptiveStrang::trial_step(double t, double t_end, const Field& u) const 
   // The fastest time scale of the reaction: too small rather than too large, and growth makes up for it in a few steps.
   const double fastest = comm_->max(model_->jacobian_bound(t, u, free_));
   const double tenth = 0.1 * (t_end - t);
-  return fastest * tenth > 1.0 ? 1.0 / fastest : tenth;
+  const double first = fastest * tenth > 1.0 ? 1.0 / fastest : tenth;
+  return companion_ ? first / CoarseCompanion::stride : first;
 }
 
 void AdaptiveStrang::note(std::optional<CellFailure> failure, Attempt& a) const {
@@ -120,7 +126,15 @@ Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std
   const bool due = (accepted_ % options_.period == 0 && estimated_at_ != accepted_) || (refused_dt_ > 0.0 && dt >= 2.0 * refused_dt_);
   const bool estimates = options_.critical_step && (estimate_asked_ || due);
   Agreement& agreement = agreement_;
-  norm_.prepare(estimates ? 3 : 1, agreement);
+  norm_.prepare(estimates ? 4 : 2, agreement);
+  attempted_dt_ = dt;
+
+  const bool catches_up = companion_ && companion_->due();
+  bool companion_is_well = true;
+  if (catches_up) {
+    companion_is_well = companion_->catch_up(t, a.work);
+    norm_.add_difference(u, companion_->state(), companion, agreement);
+  }
 
   // Step 1.
   if (estimates) estimate_strang_error(t, dt, u, a, agreement);
@@ -132,8 +146,10 @@ Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std
   norm_.add_scale(u_new, agreement);
   agreement.flags = flags | inspect(u_new, free_);
   if (a.failure) agreement.flags |= step_flags::cell_failed;
+  if (!companion_is_well) agreement.flags |= step_flags::companion_failed;
   comm_->agree(agreement);
-  flags = agreement.flags;
+  flags = agreement.flags & ~step_flags::companion_failed;
+  if (catches_up) companion_->learn(norm_.value(companion, agreement), flags == agreement.flags, c0_);
   double error = norm_.value(embedded, agreement);
   if (refuses(a, flags, u, u_new, free_, t, dt) || !std::isfinite(error)) {
     if (a.reason.empty()) a.reason = "the error estimate is not finite";
@@ -144,10 +160,12 @@ Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std
   }
 
   // Step 3.
+  bool begins_too_far = false;
   if (estimates) {
     update_critical_step(dt, norm_.value(whole, agreement), norm_.value(half, agreement), error);
     estimated_at_ = accepted_;
     estimate_asked_ = false;
+    begins_too_far = companion_ && !(options_.initial_step > 0.0) && companion_->expect(c0_, dt);
   }
 
   // Step 4: the new step from eq. (2.11), and whether the critical step has to be known better.
@@ -156,13 +174,16 @@ Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std
   if (options_.critical_step && dt_new > critical_dt_ && epsilon_ < options_.epsilon_max) estimate_asked_ = true;
 
   // Step 5.
-  a.accepted = error <= options_.tolerance && !(dt > critical_dt_);
+  a.accepted = error <= options_.tolerance && !(dt > critical_dt_) && !begins_too_far;
   a.error = error;
   a.dt_next = options_.critical_step ? std::min(dt_new, critical_dt_) : dt_new;
+  if (companion_) a.dt_next = std::min(a.dt_next, companion_->step_limit());
   a.epsilon = epsilon_;
   a.critical_dt = options_.critical_step ? critical_dt_ : 0.0;
   if (!a.accepted) {
-    a.reason = error > options_.tolerance ? "the error estimate exceeds the tolerance" : "the step exceeds the critical splitting step";
+    a.reason = error > options_.tolerance ? "the error estimate exceeds the tolerance"
+               : dt > critical_dt_        ? "the step exceeds the critical splitting step"
+                                          : "steps like the first would spend what the error at the end may be";
     a.dt_next = std::min(a.dt_next, 0.95 * dt);
   }
   return a;
@@ -171,6 +192,7 @@ Attempt AdaptiveStrang::attempt(double t, double dt, Field& u, Field& u_new, std
 void AdaptiveStrang::accept(Field& u, Field& u_new) {
   swap(u, u_new);
   ++accepted_;
+  if (companion_) companion_->accepted(attempted_dt_);
 }
 
 void AdaptiveStrang::restart(double) {
@@ -181,6 +203,27 @@ void AdaptiveStrang::restart(double) {
   estimated_at_ = -1;
   estimate_asked_ = false;
   refused_dt_ = 0.0;
+  if (companion_) companion_->land();
+}
+
+std::optional<double> AdaptiveStrang::final_error(double t, Field& u, Work& work) {
+  if (!companion_) return std::nullopt;
+  if (companion_->behind()) {
+    const bool well = companion_->catch_up(t, work);
+    norm_.prepare(2, agreement_);
+    norm_.add_difference(u, companion_->state(), companion, agreement_);
+    norm_.add_scale(u, agreement_);
+    agreement_.flags = well ? 0 : step_flags::companion_failed;
+    comm_->agree(agreement_);
+    companion_->learn(norm_.value(companion, agreement_), agreement_.flags == 0, c0_);
+  }
+  if (companion_->given_up()) return std::nullopt;
+  return companion_->error();
+}
+
+std::string AdaptiveStrang::closing_note() const {
+  if (companion_ && companion_->given_up()) return "the error at the end is not known: a second solution with larger steps could not be followed";
+  return {};
 }
 
 void AdaptiveStrang::visit_state(StateVisitor& visitor) {
@@ -194,6 +237,7 @@ void AdaptiveStrang::visit_state(StateVisitor& visitor) {
   visitor.integer("estimated_at", estimated_at_);
   visitor.integer("estimate_asked", estimate_asked_);
   visitor.number("refused_dt", refused_dt_);
+  if (companion_) companion_->visit_state(visitor);
 }
 
 }  // namespace stiffront

@@ -61,6 +61,7 @@ std::string summary_json(const Summary& s) {
   j["status"] = s.status;
   if (!s.reason.empty()) j["reason"] = s.reason;
   if (!s.note.empty()) j["note"] = s.note;
+  if (s.final_error) j["final_error"] = number(*s.final_error);
   if (!s.advice.empty()) j["advice"] = s.advice;
   if (!s.title.empty()) j["title"] = s.title;
   j["model"] = s.model;

@@ -114,7 +114,7 @@ TEST_P(CaseRule, HasItsMessage) { EXPECT_EQ(message_of(GetParam().overrides), "c
 const char* const adaptive_keys =
     "name, tolerance, initial_step, epsilon, epsilon_max, critical_step, period, safety, critical_safety, beta, gamma, "
     "theta, "
-    "max_growth, order, species";
+    "max_growth, final_error, order, species";
 
 INSTANTIATE_TEST_SUITE_P(
     Names, CaseRule,

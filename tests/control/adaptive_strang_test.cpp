@@ -350,9 +350,98 @@ TEST(AdaptiveStrang, AnAttemptCostsOneAndAHalfStepsOfReactionAndOneSweepOfDiffus
   }
 }
 
+/// Final error of a run, root mean square (the maximum is 1), the method's own estimate of it, and the steps.
+struct FinalError {
+  double measured = 0.0;
+  double estimated = 0.0;
+  std::int64_t steps = 0;
+};
+
+FinalError final_error(double tolerance, double allowed, double end, Field* result = nullptr) {
+  KppWave wave(601);
+  const Field exact = wave.exact(end);
+  AdaptiveStrangOptions options;
+  options.tolerance = tolerance;
+  options.final_error = allowed;
+  const auto method = wave.method(options);
+  Schedule schedule;
+  schedule.end = end;
+  Progress progress;
+  Observer nobody;
+  evolve(*method, schedule, wave.u, progress, nobody);
+  Work work;
+  const std::optional<double> estimate = method->final_error(progress.t, wave.u, work);
+  EXPECT_EQ(estimate.has_value(), allowed > 0.0);
+  if (result != nullptr) result->copy_interior(wave.u);
+  return {wave.distance(exact, wave.u) / wave.l2_from_rms(), estimate.value_or(0.0), progress.accepted};
+}
+
+TEST(AdaptiveStrang, EstimatesTheErrorAtTheEnd) {
+  for (double tolerance : {1e-4, 1e-5, 1e-6}) {
+    const FinalError e = final_error(tolerance, 1e3, 10.0);
+    EXPECT_NEAR(e.estimated, e.measured, 0.15 * e.measured) << tolerance;
+  }
+}
+
+TEST(AdaptiveStrang, KeepsTheErrorAtTheEndWhereErrorsOfStepsAddUp) {
+  const FinalError free = final_error(1e-5, 1e3, 15.0);
+  ASSERT_GT(free.measured, 1.5e-5) << "there is something to keep";
+  const FinalError kept = final_error(1e-5, 1.0, 15.0);
+  EXPECT_LT(kept.measured, 1.5e-5);
+  EXPECT_GT(kept.steps, free.steps);
+  EXPECT_LT(static_cast<double>(kept.steps), 3.0 * std::sqrt(free.measured / kept.measured) * static_cast<double>(free.steps))
+      << "the error falls with the square of the step";
+}
+
+TEST(AdaptiveStrang, TheSecondSolutionLeavesStepsOfTheSameSizeAlone) {
+  KppWave wave(601);
+  AdaptiveStrangOptions options;
+  options.initial_step = 0.1;
+  const auto without = wave.method(options);
+  const Field before = wave.copy();
+  Field v = wave.u.similar();
+  const auto go = [&](AdaptiveStrang& method) {
+    wave.u.copy_interior(before);
+    method.first_step(0.0, 10.0, wave.u);
+    std::uint64_t flags = 0;
+    for (int n = 0; n < 12; ++n) {
+      EXPECT_TRUE(method.attempt(0.1 * n, 0.1, wave.u, v, flags).accepted);
+      method.accept(wave.u, v);
+    }
+    return wave.copy();
+  };
+  // Inner solvers remember their last steps: the first run is for the second and third to begin alike.
+  go(*without);
+  const std::vector<double> diffusion_state = wave.diffusion.state();
+  const Field expected = go(*wave.method(options));
+  wave.diffusion.set_state(diffusion_state);
+  options.final_error = 1e3;
+  const Field measured = go(*wave.method(options));
+  for (int i = 0; i < measured.n_x(); ++i) ASSERT_EQ(measured.at(0, i), expected.at(0, i));
+}
+
+TEST(AdaptiveStrang, TheFirstStepIsSmallWhereItsErrorsCouldAddUp) {
+  KppWave wave(601);
+  AdaptiveStrangOptions options;
+  options.tolerance = 1e-6;
+  options.final_error = 1.0;
+  const auto method = wave.method(options);
+  const double end = 1000.0;
+  const double first = method->first_step(0.0, end, wave.u);
+  Field v = wave.u.similar();
+  std::uint64_t flags = 0;
+  const Attempt a = method->attempt(0.0, first, wave.u, v, flags);
+  ASSERT_GT(method->c0(), 0.0);
+  const double adds_up_to_the_budget = std::sqrt(1e-6 / (end * method->c0()));
+  ASSERT_GT(first, 2.0 * adds_up_to_the_budget);
+  EXPECT_FALSE(a.accepted);
+  EXPECT_NEAR(a.dt_next, adds_up_to_the_budget, 1e-12 * a.dt_next);
+}
+
 TEST(AdaptiveStrang, GoesOnBitwiseFromAStoredState) {
   AdaptiveStrangOptions options;
   options.tolerance = 1e-6;
+  options.final_error = 0.1;
   options.initial_step = 1e-2;
   struct StopAfter final : Observer {
     explicit StopAfter(std::int64_t n) : last(n) {}

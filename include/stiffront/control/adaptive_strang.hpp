@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "stiffront/control/coarse_companion.hpp"
 #include "stiffront/control/method.hpp"
 #include "stiffront/control/state_norm.hpp"
 #include "stiffront/model/reaction_term.hpp"
@@ -26,6 +27,7 @@ struct AdaptiveStrangOptions {
   double gamma = 0.95;
   double theta = 10.0;             ///< aims at dt* = zeta theta dt when epsilon is chosen anew
   double max_growth = 5.0;         ///< of the step from one attempt to the next; the paper has no limit
+  double final_error = 0.0;        ///< of the whole run, in tolerances, by a CoarseCompanion; 0: neither estimated nor kept
   double inner_tolerance = 0.0;    ///< relative, of the two flows: smaller differences of states are not taken for splitting errors
   SplittingOrder order = SplittingOrder::reaction_last;
   std::vector<int> species;        ///< those that enter the error; empty: all
@@ -47,6 +49,8 @@ class AdaptiveStrang final : public Method {
   Attempt attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) override;
   void accept(Field& u, Field& u_new) override;
   void restart(double t) override;
+  std::optional<double> final_error(double t, Field& u, Work& work) override;
+  std::string closing_note() const override;
   void visit_state(StateVisitor& visitor) override;
 
   double epsilon() const { return epsilon_; }
@@ -56,7 +60,7 @@ class AdaptiveStrang final : public Method {
   double c_epsilon() const { return c_epsilon_; }
 
  private:
-  enum Slot { embedded, half, whole };  // norms of an attempt: |v - w|, E2, E1
+  enum Slot { embedded, companion, half, whole };  // norms of an attempt: |v - w|, |u - companion|, E2, E1
 
   double trial_step(double t, double t_end, const Field& u) const;
   void estimate_strang_error(double t, double dt, Field& u, Attempt& a, Agreement& agreement);
@@ -76,6 +80,8 @@ class AdaptiveStrang final : public Method {
   Field embedded_;                      // w
   std::optional<Field> two_steps_;      // B: only if the critical step is controlled
 
+  std::optional<CoarseCompanion> companion_;
+  double attempted_dt_ = 0.0;           // of the last attempt
   Work work_ahead_;                     // of first_step, counted with the attempt that follows
   double epsilon_;
   double critical_dt_ = std::numeric_limits<double>::infinity();

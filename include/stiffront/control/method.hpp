@@ -21,6 +21,7 @@ inline constexpr std::uint64_t cell_failed = 1U << 0;      ///< a cell could not
 inline constexpr std::uint64_t not_finite = 1U << 1;       ///< the new state holds a NaN or an infinity
 inline constexpr std::uint64_t negative = 1U << 2;         ///< the new state holds a negative value
 inline constexpr std::uint64_t refuse_negative = 1U << 3;  ///< asked of the method: then the attempt is rejected
+inline constexpr std::uint64_t companion_failed = 1U << 4; ///< the second solution that tells the error could not be advanced
 inline constexpr std::uint64_t first_of_driver = 1ULL << 32;
 }  // namespace step_flags
 
@@ -97,6 +98,15 @@ class Method {
 
   /// Whether after a step cut short (to hit an output time or the end) the size planned before may be taken up again at once.
   virtual bool resumes_after_short_step() const { return true; }
+
+  /// Estimate of the error of u, the state at t at the end of a run, in the method's norm; nothing if the method has none.
+  /// @param work what it takes to find out is added. @mpi collective.
+  virtual std::optional<double> final_error(double t, Field& u, Work& work) {
+    static_cast<void>(t);
+    static_cast<void>(u);
+    static_cast<void>(work);
+    return std::nullopt;
+  }
 
   /// What the user should know of the whole run, in one sentence; empty if nothing.
   virtual std::string closing_note() const { return {}; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@ struct Summary {
   std::string status;           ///< "done", "stopped", or the kind of failure
   std::string reason;           ///< the error or stop in one sentence; left out if empty
   std::string note;             ///< what the method has to say about the run; left out if empty
+  std::optional<double> final_error;  ///< estimate of the error of the final state, in the method's norm
   std::vector<std::string> advice;  ///< what the numbers mean and what to change
   std::string title;            ///< left out if empty
   std::string model;

@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "stiffront/mesh/halo_exchange.hpp"
@@ -48,6 +49,7 @@ class Rock4 final : public Flow {
   /// The one number that outlives a call, {first step the next call will try}; 0 before the first call.
   std::vector<double> state() const override { return {first_step_}; }
   void set_state(std::span<const double> state) override;
+  void exchange_state(std::span<double> state) override { std::swap(first_step_, state[0]); }
 
   /// The largest step that needs no more stages than rounding errors allow.
   double largest_step() const;

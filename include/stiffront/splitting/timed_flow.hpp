@@ -17,6 +17,7 @@ class TimedFlow final : public Flow {
   }
   std::vector<double> state() const override { return flow_->state(); }
   void set_state(std::span<const double> numbers) override { flow_->set_state(numbers); }
+  void exchange_state(std::span<double> numbers) override { flow_->exchange_state(numbers); }
 
  private:
   Flow* flow_;
