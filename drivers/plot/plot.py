@@ -546,6 +546,17 @@ def animate(folder, asked, target, most_frames=200, frames_per_second=12):
         raise PlotError(5, f"{target}: {error}")
 
 
+def draw_own_estimates(axes, rows, color, marker):
+    """What dcs says of its own errors, and as a vertical line the step limit its smallest step shows."""
+    points = sorted((number(row["step"]), number(row.get("estimate")), number(row.get("step_limit"))) for row in rows if "estimate" in row)
+    finite = [point for point in points if math.isfinite(point[1]) and point[1] > 0]
+    if finite:
+        axes.plot([p[0] for p in finite], [p[1] for p in finite], color=color, marker=marker, markersize=5, markerfacecolor="none",
+                  linewidth=0.8, linestyle="--")
+    if points and math.isfinite(points[0][2]) and points[0][2] < 10 * points[-1][0]:
+        axes.axvline(points[0][2], color=color, linewidth=0.8)
+
+
 def draw_convergence(folder, target):
     """converge.json: error against step, one line a variant, with the order its last two points show."""
     path = os.path.join(folder, "converge.json")
@@ -570,12 +581,16 @@ def draw_convergence(folder, target):
             order = math.log(errors[1] / errors[0]) / math.log(steps[1] / steps[0])
             label += f", order {order:.2f}"
         axes.plot(steps, errors, color=color, marker=marker, markersize=5, linewidth=1.2, label=label)
+        draw_own_estimates(axes, [row for row in rows if str(row["variant"]) == variant], color, marker)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("step size Δt")
     axes.set_ylabel("relative error, discrete L2")
     axes.grid(True, which="major", color="#DDDDDD", linewidth=0.6)
     axes.set_title(f"{study.get('kind', '')} error; reference: {study.get('reference', '')}", fontsize="small")
+    if any("estimate" in row for row in rows):
+        axes.plot([], [], color=REFERENCE, marker="o", markerfacecolor="none", linestyle="--", linewidth=0.8, label="estimated by the method")
+        axes.plot([], [], color=REFERENCE, linewidth=0.8, label="step from which on a correction improves nothing")
     axes.legend(fontsize="small")
     save(figure, target)
 

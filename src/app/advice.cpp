@@ -5,12 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "stiffront/control/sbdf.hpp"
+#include "stiffront/control/state_norm.hpp"
 #include "stiffront/core/agree.hpp"
 #include "stiffront/mesh/halo_exchange.hpp"
 
 namespace stiffront::app {
+namespace {
+
+/// What order four misses where order two misses so much: of a wave of number k these are k^4 h^4 / 90 and k^2 h^2 / 12.
+double of_order_four(double of_order_two) { return 1.6 * of_order_two * of_order_two; }
+
+}  // namespace
 
 ErrorRecord::ErrorRecord(const MethodOptions& method) {
   if (const auto* strang = std::get_if<AdaptiveStrangOptions>(&method)) tolerance_ = strang->tolerance;
@@ -23,15 +31,17 @@ ErrorRecord::ErrorRecord(const MethodOptions& method) {
 void ErrorRecord::add(const StepRecord& record) {
   const Attempt& a = record.attempt;
   if (!a.accepted || !std::isfinite(a.error)) return;
+  step_before_ = std::exchange(last_step_, record.dt);
   if (a.error > 0.0) ++estimates_;
   sum_ += a.error;
   largest_ = std::max(largest_, a.error);
   if (a.critical_dt > 0.0 && record.dt > 0.85 * a.critical_dt) ++at_critical_step_;
 }
 
-std::vector<double> spatial_error(Problem& problem) {
+SpatialError spatial_error(Problem& problem) {
   const int m = problem.model->n_species();
-  std::vector<double> result(static_cast<std::size_t>(m), 0.0);
+  SpatialError result;
+  result.missed.assign(static_cast<std::size_t>(m), 0.0);
   const std::vector<int>& diffusing = problem.diffusion.diffusing_species();
   constexpr int width = 2;
   for (int d = 0; d < problem.grid.dimension; ++d) {
@@ -72,13 +82,26 @@ std::vector<double> spatial_error(Problem& problem) {
     const double term = largest.maxima[static_cast<std::size_t>(2 * s + 1)];
     if (!(term > 0.0)) continue;
     const double missed = largest.maxima[static_cast<std::size_t>(2 * s)] / term;
-    // Of a wave of number k, order two misses k^2 h^2 / 12 and order four k^4 h^4 / 90.
-    result[static_cast<std::size_t>(s)] = problem.diffusion.order() == 2 ? missed : 1.6 * missed * missed;
+    result.missed[static_cast<std::size_t>(s)] = problem.diffusion.order() == 2 ? missed : of_order_four(missed);
+  }
+
+  const StateNorm norm(wide, problem.boundary, m, {});
+  Agreement norms = norm.agreement(2);
+  Field nothing = u.similar();
+  norm.add_difference(by_fourth, by_second, 0, norms);
+  norm.add_difference(by_fourth, nothing, 1, norms);
+  norm.add_scale(u, norms);
+  problem.comm.agree(norms);
+  for (const int s : diffusing) {
+    const double difference = norm.value(0, s, norms);
+    const double term = norm.value(1, s, norms);
+    if (!(term > 0.0)) continue;
+    result.rate = std::max(result.rate, problem.diffusion.order() == 2 ? difference : of_order_four(difference / term) * term);
   }
   return result;
 }
 
-std::vector<std::string> advice(const Case& c, const Summary& summary, const ErrorRecord& errors, const std::vector<double>& in_space) {
+std::vector<std::string> advice(const Case& c, const Summary& summary, const ErrorRecord& errors, const SpatialError& in_space) {
   std::vector<std::string> lines;
   const double attempts = static_cast<double>(summary.accepted + summary.rejected);
   if (summary.final_error) {
@@ -93,15 +116,29 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
   } else if (!(errors.tolerance() > 0.0)) {
     lines.emplace_back("error in time: not estimated with fixed steps; run again with half the step, or see stiffront converge");
   }
-  const auto worst = std::max_element(in_space.begin(), in_space.end());
-  if (worst != in_space.end() && *worst > 0.0) {
-    const std::string& species = c.model.species[static_cast<std::size_t>(worst - in_space.begin())];
+  const std::vector<double>& missed = in_space.missed;
+  const auto worst = std::max_element(missed.begin(), missed.end());
+  if (worst != missed.end() && *worst > 0.0) {
+    const std::string& species = c.model.species[static_cast<std::size_t>(worst - missed.begin())];
     const char* remedy = c.space.order == 2 ? "twice the points divide that by 4; space.order=4 helps more" : "twice the points divide that by 16";
     lines.push_back(fmt::format("error in space: the differences of order {} miss {:.2g} % of the diffusion of {} in the final state; speeds and widths of "
                                 "fronts may be off by about as much{}{}",
                                 c.space.order, 100.0 * *worst, species, *worst > 0.01 ? "; " : "", *worst > 0.01 ? remedy : ""));
     if (errors.tolerance() > 0.0 && errors.estimates() > 0 && *worst > 100.0 * summary.final_error.value_or(errors.sum())) {
       lines.emplace_back("the error in space is far above the one in time: a larger tolerance would do as well, and be faster");
+    }
+  }
+  if (const auto* dcs = std::get_if<DcsOptions>(&c.method); dcs != nullptr && dcs->tolerance && in_space.rate > 0.0) {
+    const double of_step = in_space.rate * errors.recent_step();
+    if (of_step > *dcs->tolerance) {
+      lines.push_back(fmt::format("method.tolerance is finer than the grid deserves: in a step of {:.3g} the error in space is about {:.2g}, that in time is "
+                                  "held at {:.2g}; {}",
+                                  errors.recent_step(), of_step, *dcs->tolerance,
+                                  c.space.order == 2 ? "take more points, space.order=4, or a tolerance nearer to it"
+                                                     : "take more points, or a tolerance nearer to it"));
+    } else {
+      lines.push_back(fmt::format("error in space of one step of {:.3g}: about {:.2g}, below the tolerance {:.2g}", errors.recent_step(), of_step,
+                                  *dcs->tolerance));
     }
   }
   if (summary.accepted > 20 && static_cast<double>(summary.rejected) > 0.2 * attempts) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,8 @@ class ErrorRecord {
   double sum() const { return unit_ * sum_; }      ///< of the accepted estimates, relative to the solution
   double largest() const { return unit_ * largest_; }
   std::int64_t estimates() const { return estimates_; }
+  /// The longer of the last two accepted steps: the very last may have been cut.
+  double recent_step() const { return std::max(last_step_, step_before_); }
   /// Accepted steps that the critical splitting step kept from being longer.
   std::int64_t at_critical_step() const { return at_critical_step_; }
 
@@ -31,16 +35,25 @@ class ErrorRecord {
   double tolerance_ = 0.0;
   double sum_ = 0.0;
   double largest_ = 0.0;
+  double last_step_ = 0.0;
+  double step_before_ = 0.0;
   std::int64_t estimates_ = 0;
   std::int64_t at_critical_step_ = 0;
 };
 
-/// How much of each species' diffusion term the differences in space miss in the present state, relative to the term's largest
-/// modulus over the grid: from the difference between order two and order four; 0 where nothing diffuses.
-/// @mpi collective.
-std::vector<double> spatial_error(Problem& problem);
+/// What the differences in space miss of the diffusion in the present state.
+struct SpatialError {
+  /// For each species, relative to the largest modulus of its diffusion term over the grid; 0 where nothing diffuses.
+  std::vector<double> missed;
+  /// Error per unit of time, in the norm of the splitting methods: times a step, the space error of that step in (48) of
+  /// Duarte & Emmett 2016.
+  double rate = 0.0;
+};
+
+/// From the difference between order two and order four. @mpi collective.
+SpatialError spatial_error(Problem& problem);
 
 /// What the numbers of a finished run mean, and what to change if they are not good enough. One sentence or two each.
-std::vector<std::string> advice(const Case& c, const Summary& summary, const ErrorRecord& errors, const std::vector<double>& in_space);
+std::vector<std::string> advice(const Case& c, const Summary& summary, const ErrorRecord& errors, const SpatialError& in_space);
 
 }  // namespace stiffront::app

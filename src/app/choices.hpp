@@ -21,6 +21,8 @@ inline constexpr std::array choice_words<Splitting>{"lie", "strang"};
 template <>
 inline constexpr std::array choice_words<StepRule>{"k", "kmax", "min"};
 template <>
+inline constexpr std::array choice_words<StepExponent>{"observed", "published"};
+template <>
 inline constexpr std::array choice_words<NodeFamily>{"gauss-legendre", "gauss-lobatto", "gauss-radau"};
 template <>
 inline constexpr std::array choice_words<SdcSplitting>{"preconditioned", "imex", "lie", "strang"};

@@ -32,9 +32,10 @@ struct Solution {
   Field& state() const { return problem->state; }
 };
 
-Solution solve(const Case& c, const ModelRegistry& models, const Communicator& comm, double end) {
+Solution solve(const Case& c, const ModelRegistry& models, const Communicator& comm, double end,
+               MethodStack::Purpose purpose = MethodStack::Purpose::run) {
   Solution s{std::make_unique<Problem>(c, models, comm)};
-  MethodStack stack(c, *s.problem);
+  MethodStack stack(c, *s.problem, purpose);
   Schedule schedule;
   schedule.start = c.time.start;
   schedule.end = end;
@@ -137,6 +138,18 @@ void measure(const Field& u, const Solution& reference, ConvergenceRow& row) {
   }
 }
 
+/// What dcs itself would say of a step from the initial state: one entry for each number of corrections up to the largest asked for.
+std::vector<DeferredCorrection::Estimate> own_estimates(const Case& c, const ModelRegistry& models, const Communicator& comm, double step) {
+  if (!std::holds_alternative<DcsOptions>(c.method)) return {};
+  const int most = *std::max_element(c.converge->iterations.begin(), c.converge->iterations.end());
+  const Case with_most = with_step(c, step, most);
+  Problem problem(with_most, models, comm);
+  MethodStack stack(with_most, problem, MethodStack::Purpose::single_step);
+  DeferredCorrection& method = *stack.deferred_correction();
+  method.first_step(c.time.start, c.time.start + step, problem.state);
+  return method.estimates(c.time.start, step, problem.state, most);
+}
+
 nlohmann::ordered_json number(double x) { return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json("nan"); }
 
 std::string to_json(const ConvergenceStudy& study) {
@@ -152,15 +165,36 @@ std::string to_json(const ConvergenceStudy& study) {
     r["order"] = row.order ? number(*row.order) : nlohmann::ordered_json(nullptr);
     r["per_species"] = nlohmann::ordered_json::object();
     for (const auto& [name, error] : row.per_species) r["per_species"][name] = number(error);
+    if (row.estimate) r["estimate"] = number(*row.estimate);
+    if (row.step_limit) r["step_limit"] = number(*row.step_limit);
     if (!row.failure.empty()) r["failure"] = row.failure;
     j["rows"].push_back(std::move(r));
   }
   return j.dump(2) + "\n";
 }
 
+using Cells = std::map<std::pair<double, std::string>, const ConvergenceRow*>;
+
+/// The method's own view, where it has one.
+void print_estimates(const ConvergenceStudy& study, const std::vector<std::string>& variants, const std::vector<double>& steps, const Cells& cells) {
+  if (study.rows.empty() || !study.rows.front().estimate) return;
+  fmt::print("\nestimates by the method, and the step from which on a correction improves nothing\n{:>12}", "step");
+  for (const std::string& v : variants) fmt::print(" {:>12} {:>9}", v, "limit");
+  fmt::print("\n");
+  const auto text = [](double x, const char* format) { return std::isfinite(x) ? fmt::format(fmt::runtime(format), x) : std::string("-"); };
+  for (double step : steps) {
+    fmt::print("{:>12.4e}", step);
+    for (const std::string& v : variants) {
+      const ConvergenceRow& row = *cells.at({step, v});
+      fmt::print(" {:>12} {:>9}", text(*row.estimate, "{:.4e}"), text(*row.step_limit, "{:.2e}"));
+    }
+    fmt::print("\n");
+  }
+}
+
 void print_table(const ConvergenceStudy& study) {
   std::vector<std::string> variants;
-  std::map<std::pair<double, std::string>, const ConvergenceRow*> cells;
+  Cells cells;
   std::vector<double> steps;
   for (const ConvergenceRow& row : study.rows) {
     if (std::find(variants.begin(), variants.end(), row.variant) == variants.end()) variants.push_back(row.variant);
@@ -179,6 +213,7 @@ void print_table(const ConvergenceStudy& study) {
     }
     fmt::print("\n");
   }
+  print_estimates(study, variants, steps, cells);
   std::fflush(stdout);
 }
 
@@ -200,19 +235,27 @@ ConvergenceStudy converge(const Case& c, const ModelRegistry& models, const Comm
   std::map<std::string, std::pair<double, double>> before;  // by variant: step and error of the row before
   for (double step : c.converge->steps) {
     const double end = local ? c.time.start + step : c.time.end;
-    if (local) reference = reference_at(c, models, comm, end);
+    std::vector<DeferredCorrection::Estimate> estimates;
+    if (local) {
+      reference = reference_at(c, models, comm, end);
+      estimates = own_estimates(c, models, comm, step);
+    }
     for (const std::optional<int>& k : variants) {
       ConvergenceRow row;
       row.step = step;
       row.variant = k ? fmt::format("k={}", *k) : method_name(c.method);
       const Case variant = with_step(c, step, k);
       try {
-        const Solution s = solve(variant, models, comm, end);
+        const Solution s = solve(variant, models, comm, end, local ? MethodStack::Purpose::single_step : MethodStack::Purpose::run);
         measure(s.state(), *reference, row);
       } catch (const Error& e) {
         if (e.kind() != ErrorKind::numerics) throw;
         row.error = std::numeric_limits<double>::quiet_NaN();
         row.failure = e.what();
+      }
+      if (!estimates.empty() && k) {
+        row.estimate = estimates[static_cast<std::size_t>(*k)].error;
+        row.step_limit = estimates[static_cast<std::size_t>(*k)].step_limit;
       }
       if (const auto it = before.find(row.variant); it != before.end() && it->second.second > 0.0 && row.error > 0.0) {
         row.order = std::log(row.error / it->second.second) / std::log(row.step / it->second.first);

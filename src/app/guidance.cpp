@@ -14,6 +14,7 @@
 #include "stiffront/app/method_stack.hpp"
 #include "stiffront/app/methods.hpp"
 #include "stiffront/app/problem.hpp"
+#include "stiffront/control/deferred_correction_control.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/core/timer.hpp"
 #include "stiffront/model/expression.hpp"
@@ -309,6 +310,13 @@ std::vector<std::string> questionable(const Case& c) {
   }
   if (const auto* o = options_of<DcsOptions>(c); o != nullptr && o->step) {
     lines.emplace_back("warning: dcs with a fixed step controls no error; give method.tolerance, or measure it with stiffront converge");
+  }
+  if (const auto* o = options_of<DcsOptions>(c); o != nullptr && o->tolerance) {
+    if (*o->tolerance > 0.05) lines.emplace_back("warning: method.tolerance: above 0.05 the estimate is outside the range it is derived for");
+    if (*o->tolerance < DeferredCorrectionControl::least_tolerance) {
+      lines.push_back(fmt::format("warning: method.tolerance: below {:.0e} the differences it is compared with are rounding errors; that much is met",
+                                  DeferredCorrectionControl::least_tolerance));
+    }
   }
   if (splits && c.boundary.has_dirichlet()) {
     lines.emplace_back("warning: a splitting loses an order next to a side of given values; sbdf, dcs and cvode do not");

@@ -25,6 +25,9 @@
 namespace stiffront::app {
 namespace {
 
+constexpr double no_bound = 1.0;  // on tolerances of inner solvers: what the case says
+constexpr double least_inner_tolerance = 1e-14;
+
 stiffront::SplittingOrder order_of(SplittingOrder o) {
   return o == SplittingOrder::reaction_last ? stiffront::SplittingOrder::reaction_last : stiffront::SplittingOrder::diffusion_last;
 }
@@ -59,11 +62,9 @@ std::vector<double> per_species(const Tolerance& tolerance, const Problem& probl
 
 }  // namespace
 
-double MethodStack::make_flows(const Case& c, Problem& problem, double method_tolerance) {
-  // Inner solvers must be finer than the splitting error they are there to reveal.
-  const double finest = method_tolerance > 0.0 ? 0.01 * method_tolerance : 1.0;
-  const double reaction_tolerance = reaction_tolerance_ = std::min(c.reaction_solver.tolerance, finest);
-  const double diffusion_tolerance = std::min(c.diffusion_solver.tolerance, finest);
+double MethodStack::make_flows(const Case& c, Problem& problem, double finest_reaction, double finest_diffusion) {
+  const double reaction_tolerance = reaction_tolerance_ = std::min(c.reaction_solver.tolerance, finest_reaction);
+  const double diffusion_tolerance = std::min(c.diffusion_solver.tolerance, finest_diffusion);
   CellTolerances cell{reaction_tolerance, inner_absolute(reaction_tolerance, problem)};
   std::unique_ptr<stiffront::ReactionSolver> solver;
   if (c.reaction_solver.name == ReactionSolver::radau5) {
@@ -78,7 +79,7 @@ double MethodStack::make_flows(const Case& c, Problem& problem, double method_to
   return std::max(reaction_tolerance, diffusion_tolerance);
 }
 
-MethodStack::MethodStack(const Case& c, Problem& problem) {
+MethodStack::MethodStack(const Case& c, Problem& problem, Purpose purpose) : purpose_(purpose) {
   if (c.space.quadrature_order.value_or(c.space.order) != c.space.order && !std::holds_alternative<DcsOptions>(c.method)) {
     throw Error(ErrorKind::input, fmt::format("{}: space.quadrature_order: only the method \"dcs\" has a quadrature; leave it out", c.file));
   }
@@ -86,18 +87,18 @@ MethodStack::MethodStack(const Case& c, Problem& problem) {
 }
 
 void MethodStack::make(const Case& c, const LieOptions& o, Problem& problem) {
-  make_flows(c, problem, 0.0);
+  make_flows(c, problem, no_bound, no_bound);
   method_ = std::make_unique<FixedStep>(problem.decomposition, problem.boundary, *reaction_, *diffusion_, lie(order_of(o.order)), o.step);
 }
 
 void MethodStack::make(const Case& c, const StrangOptions& o, Problem& problem) {
-  make_flows(c, problem, 0.0);
+  make_flows(c, problem, no_bound, no_bound);
   method_ = std::make_unique<FixedStep>(problem.decomposition, problem.boundary, *reaction_, *diffusion_, strang(order_of(o.order)), o.step);
 }
 
 void MethodStack::make(const Case& c, const AdaptiveStrangOptions& o, Problem& problem) {
   stiffront::AdaptiveStrangOptions a;
-  a.inner_tolerance = make_flows(c, problem, o.tolerance);
+  a.inner_tolerance = make_flows(c, problem, 0.01 * o.tolerance, 0.01 * o.tolerance);
   a.tolerance = o.tolerance;
   a.initial_step = o.initial_step;
   a.epsilon = o.epsilon;
@@ -129,7 +130,9 @@ void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
     quadrature_rhs_ = std::make_unique<CoupledRhs>(problem.decomposition, *quadrature_diffusion_, *problem.model);
     rhs = quadrature_rhs_.get();
   }
-  make_flows(c, problem, o.tolerance.value_or(0.0));
+  // The right-hand side multiplies what the diffusion's solver leaves in the fastest modes with their rates.
+  const auto within = [&](double part) { return o.tolerance ? std::max(part * *o.tolerance, least_inner_tolerance) : no_bound; };
+  make_flows(c, problem, within(0.01), within(1e-4));
   DeferredCorrectionOptions d;
   d.tolerance = o.tolerance.value_or(0.0);
   d.fixed_step = o.step.value_or(0.0);
@@ -142,17 +145,23 @@ void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
     case StepRule::kmax: d.step_rule = DeferredCorrectionOptions::StepRule::kmax; break;
     case StepRule::min: d.step_rule = DeferredCorrectionOptions::StepRule::min; break;
   }
+  d.exponent = o.exponent == StepExponent::observed ? DeferredCorrectionOptions::Exponent::observed
+                                                    : DeferredCorrectionOptions::Exponent::published;
   d.safety = o.safety;
   d.predict = o.predict;
   d.initial_step = o.initial_step;
-  method_ = std::make_unique<DeferredCorrection>(problem.state, *rhs, *reaction_, *diffusion_, std::move(d));
+  d.refuse_unstable = purpose_ == Purpose::run;
+  auto corrected = std::make_unique<DeferredCorrection>(problem.state, *rhs, *reaction_, *diffusion_, std::move(d));
+  deferred_correction_ = corrected.get();
+  method_ = std::move(corrected);
 }
 
 void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem) {
   SdcOptions o = given;
   complete_sdc(o, c.space.order);
   if (composes_flows(o)) {
-    make_flows(c, problem, o.tolerance.value_or(0.0));
+    const double finest = o.tolerance ? 0.01 * *o.tolerance : no_bound;
+    make_flows(c, problem, finest, finest);
     propagator_ = std::make_unique<FlowPropagator>(*reaction_, *diffusion_,
                                                    o.splitting == SdcSplitting::lie ? lie(stiffront::SplittingOrder::reaction_last)
                                                                                     : strang(stiffront::SplittingOrder::reaction_last));

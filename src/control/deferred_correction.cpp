@@ -4,12 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "stiffront/control/absent_species.hpp"
+#include "stiffront/control/deferred_correction_stability.hpp"
 #include "stiffront/control/fixed_step.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/mesh/field_algebra.hpp"
@@ -17,21 +16,58 @@
 namespace stiffront {
 namespace {
 
-// Below this, in the relative norm, differences of iterates are round-off: the iteration has converged as far as it can.
-constexpr double round_off_floor = 2e-14;
+// A correction of a fixed step that is not smaller than the first one shows divergence once it is so large, relative to the solution.
+constexpr double visible_divergence = 1e-3;
 
-// After a rejection the number of iterations is not raised for so many steps: where one more almost pays, trying it in every step would
-// be rejected in every second.
-constexpr int steps_held_after_rejection = 20;
+// Modes that oscillate leave the stable region before the ones that decay, but none at so small a |z|.
+constexpr double stable_everywhere = 2.0;
+
+/// Weights w with sum_j w_j f(c_j) = the coefficient of the Legendre polynomial of the given degree in the interpolant of f.
+std::vector<double> legendre_coefficient(const CollocationNodes& nodes, int degree) {
+  // The Radau rule integrates polynomials of degree 2 s - 2, the products of two of degree s - 1, without error.
+  std::vector<double> weights;
+  for (int j = 0; j < nodes.size(); ++j) {
+    const auto k = static_cast<std::size_t>(j);
+    weights.push_back((2.0 * degree + 1.0) * nodes.w[k] * std::legendre(static_cast<unsigned>(degree), 2.0 * nodes.c[k] - 1.0));
+  }
+  return weights;
+}
+
+double factorial(int n) { return std::tgamma(n + 1.0); }
+
+/// What dt a_{s-1} (a_{s-1}/a_{s-2})^s is to be multiplied with for the error of Radau IIA, a_n the Legendre coefficients of F over the step:
+/// exact for exponentials, where a_n = z^n n!/(2n)! and the error is z^(2s) s! (s-1)!/((2s-1)! (2s)!) to leading order.
+double error_constant(int stages) {
+  const double error = factorial(stages) * factorial(stages - 1) / (factorial(2 * stages - 1) * factorial(2 * stages));
+  const double last = factorial(stages - 1) / factorial(2 * stages - 2);
+  const double decay = 1.0 / (2.0 * (2.0 * stages - 3.0));
+  return error / (last * std::pow(decay, stages));
+}
+
+/// Modulus of the largest eigenvalue of a matrix with n rows: |A^(2^12)|^(2^-12).
+double spectral_radius(std::vector<double>& a, std::vector<double>& square, std::size_t n) {
+  double log_radius = 0.0;
+  double weight = 1.0;
+  for (int k = 0; k < 12; ++k) {
+    double norm = 0.0;
+    for (double x : a) norm = std::max(norm, std::abs(x));
+    if (!(norm > 0.0) || !std::isfinite(norm)) return norm;
+    log_radius += weight * std::log(norm);
+    for (double& x : a) x /= norm;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        double sum = 0.0;
+        for (std::size_t q = 0; q < n; ++q) sum += a[i * n + q] * a[q * n + j];
+        square[i * n + j] = sum;
+      }
+    }
+    std::swap(a, square);
+    weight *= 0.5;
+  }
+  return std::exp(log_radius);
+}
 
 }  // namespace
-
-double DeferredCorrection::stability_limit(int k) {
-  // With exact sub-flows, s = 3, on the negative real axis (our computation; docs/dcs.md). |R_k| grows like |z|^(k-1) beyond.
-  static constexpr std::array<double, 7> limits{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
-                                                54.4, 11.5, 7.8, 6.7, 6.0};
-  return limits[static_cast<std::size_t>(std::min(k, 6))];
-}
 
 DeferredCorrection::DeferredCorrection(const Field& shape, CoupledRhs& rhs, ReactionFlow& reaction, Flow& diffusion,
                                        DeferredCorrectionOptions options)
@@ -41,31 +77,36 @@ DeferredCorrection::DeferredCorrection(const Field& shape, CoupledRhs& rhs, Reac
       flows_{&reaction, &diffusion},
       options_(std::move(options)),
       nodes_(collocation_nodes(NodeFamily::gauss_radau, options_.stages)),
+      stability_limits_(deferred_correction_stability_limits(nodes_, std::max(options_.max_iterations, options_.iterations))),
       composition_(options_.strang ? strang(SplittingOrder::reaction_last) : lie(SplittingOrder::reaction_last)),
-      order_(options_.strang ? 2 : 1),
       norm_(shape.decomposition(), rhs.diffusion().boundary(), shape.n_species(), options_.species),
-      free_(rhs.free_box()) {
+      control_(options_, stability_limits_),
+      free_(rhs.free_box()),
+      inner_steps_(static_cast<std::size_t>(nodes_.size())),
+      diffusion_at_first_(diffusion.state()),
+      quadrature_constant_(error_constant(nodes_.size())),
+      last_(shape.similar()) {
   for (int i = 0; i < nodes_.size(); ++i) {
     v_.push_back(shape.similar());
     f_.push_back(shape.similar());
     s_.push_back(shape.similar());
   }
-  if (options_.fixed_step == 0.0) predicted_ = shape.similar();
-  error_estimates_.reserve(static_cast<std::size_t>(options_.max_iterations) + 1);
-  step_limits_.reserve(static_cast<std::size_t>(options_.max_iterations) + 1);
+  for (int degree = nodes_.size() - 1; degree >= std::max(0, nodes_.size() - 3); --degree) modes_.push_back(legendre_coefficient(nodes_, degree));
 }
 
 double DeferredCorrection::first_step(double t, double t_end, Field& u) {
-  rate_ = std::max(comm_->max(rhs_->reaction().jacobian_bound(t, u, free_)), rhs_->diffusion().spectral_radius());
+  rate_ = comm_->max(rhs_->reaction().jacobian_bound(t, u, free_));
   if (options_.fixed_step > 0.0) return options_.fixed_step;
+  const double rate = rate_ + rhs_->diffusion().spectral_radius();
   const double tenth = 0.1 * (t_end - t);
-  double first = rate_ * tenth > 1.0 ? 1.0 / rate_ : tenth;
+  double first = rate * tenth > 1.0 ? 1.0 / rate : tenth;
   if (options_.initial_step > 0.0) first = std::min(options_.initial_step, t_end - t);
   norm_.set_floors(floors_of_absent_species(flows_, t, t_end, first, u, *comm_, work_ahead_));
   return first;
 }
 
 void DeferredCorrection::split(double t, double dt, Field& from, Field& to, Attempt& a) {
+  flows_.diffusion->set_state(diffusion_at_first_);
   auto failure = stiffront::advance(flows_, composition_, t, dt, from, to, a.work);
   if (failure && !a.failure) a.failure = std::move(failure);
 }
@@ -74,6 +115,7 @@ void DeferredCorrection::split(double t, double dt, Field& from, Field& to, Atte
 void DeferredCorrection::predict(double t, double dt, Field& u, Attempt& a) {
   for (int i = 0; i < nodes_.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
+    inner_steps_[k] = reaction_->hints();
     Field& left = i == 0 ? u : v_[k - 1];
     split(t + (i == 0 ? 0.0 : nodes_.c[k - 1]) * dt, nodes_.interval(i) * dt, left, s_[k], a);
     v_[k].copy_interior(s_[k]);
@@ -108,6 +150,9 @@ void DeferredCorrection::correct(double t, double dt, const Field& u, Attempt& a
   }
   for (int i = 1; i < m; ++i) {
     const auto k = static_cast<std::size_t>(i);
+    // Every iteration begins with the same inner steps. Where their number changed from one to the next, S v^new - S v^old would hold
+    // the tolerance of the inner solvers, and that is where the iteration would come to a halt.
+    reaction_->hints() = inner_steps_[k];
     split(t + nodes_.c[k - 1] * dt, nodes_.interval(i) * dt, v_[k - 1], s_[k], a);
     const Term terms[] = {{1.0, &s_[k]}, {1.0, &v_[k]}};
     combine(terms, v_[k]);
@@ -123,183 +168,200 @@ Attempt DeferredCorrection::attempt(double t, double dt, Field& u, Field& u_new,
 void DeferredCorrection::refuse_step(double t, double dt, double rate) const {
   const double limit = stability_limit(options_.iterations);
   throw Error(ErrorKind::numerics,
-              fmt::format("method.step: {} corrections with the step {:.6g} diverge (t = {:.6g}): the iteration is stable for |z| <= {:.3g} and here "
+              fmt::format("method.step: {} corrections with the step {:.6g} diverge (t = {:.6g}): their limit of stability is |z| = {:.1f}, and here "
                           "|z| = {:.3g}; use a step below {:.3g}, fewer iterations or method.tolerance",
                           options_.iterations, dt, t, limit, rate * dt, limit / rate));
 }
 
+void DeferredCorrection::check_stability(double t, double dt, const Field& u) const {
+  const double limit = stability_limit(options_.iterations);
+  // The fastest mode of the diffusion is known exactly, and rounding alone excites it.
+  if (const double rate = rhs_->diffusion().spectral_radius(); rate * dt > limit) refuse_step(t, dt, rate);
+  if (!(rate_ * dt > limit)) return;
+  // The bound is a few per cent too large: nobody is to be refused for that.
+  const auto n = static_cast<std::size_t>(u.n_species());
+  const Decomposition& d = u.decomposition();
+  std::vector<double> state(n), jacobian(n * n), square(n * n);
+  double rate = 0.0;
+  for (int j = free_.j_begin; j < free_.j_end; ++j) {
+    for (int i = free_.i_begin; i < free_.i_end; ++i) {
+      for (std::size_t s = 0; s < n; ++s) state[s] = u.at(static_cast<int>(s), i, j);
+      const double y = d.grid().dimension == 2 ? d.grid().position(1, d.offset_y() + j) : 0.0;
+      rhs_->reaction().jacobian_at(t, d.grid().position(0, d.offset_x() + i), y, state.data(), jacobian.data());
+      rate = std::max(rate, spectral_radius(jacobian, square, n));
+    }
+  }
+  rate = comm_->max(rate);
+  if (std::isfinite(rate) && rate * dt > limit) refuse_step(t, dt, rate);
+}
+
 Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
   Attempt a;
-  // The fastest mode of the diffusion is known exactly, and rounding alone excites it.
-  const double diffusion_rate = rhs_->diffusion().spectral_radius();
-  if (diffusion_rate * dt > stability_limit(options_.iterations)) refuse_step(t, dt, diffusion_rate);
+  if (options_.refuse_unstable) check_stability(t, dt, u);
+  constexpr int first_correction = 0, last_correction = 1;
+  Agreement& agreement = agreement_;
+  norm_.prepare(2, agreement);
   predict(t, dt, u, a);
   for (int k = 1; k <= options_.iterations; ++k) {
     evaluate_right_hand_sides(t, dt, a);
+    last_->copy_interior(v_.back());
     correct(t, dt, u, a);
+    if (k == 1) norm_.add_difference(v_.back(), *last_, first_correction, agreement);
+    if (k == options_.iterations) norm_.add_difference(v_.back(), *last_, last_correction, agreement);
   }
   swap(u_new, v_.back());
-  Agreement& agreement = agreement_;
-  agreement.sums.clear();
-  agreement.maxima.assign(1, 0.0);
-  agreement.maxima[0] = rhs_->reaction().jacobian_bound(t, u, free_);
+  norm_.add_scale(u_new, agreement);
+  agreement.maxima.push_back(rhs_->reaction().jacobian_bound(t + dt, u_new, free_));
   agreement.flags = flags | inspect(u_new, free_);
   if (a.failure) agreement.flags |= step_flags::cell_failed;
   comm_->agree(agreement);
   flags = agreement.flags;
+  rate_ = agreement.maxima.back();
   a.accepted = !refuses(a, flags, u, u_new, free_, t, dt);
   a.dt_next = a.accepted ? options_.fixed_step : 0.5 * dt;
-  const double rate = std::max(agreement.maxima[0], diffusion_rate);
-  if (!a.accepted && rate * dt > stability_limit(options_.iterations)) refuse_step(t, dt, rate);
+  if (!options_.refuse_unstable || options_.iterations == 0) return a;
+  const double limit = stability_limit(options_.iterations);
+  const double rate = std::max(rate_, rhs_->diffusion().spectral_radius());
+  if (!a.accepted && rate * dt > limit) refuse_step(t, dt, rate);
+  const double last = norm_.value(last_correction, agreement);
+  const bool grows = options_.iterations > 1 && last > visible_divergence && !(last < norm_.value(first_correction, agreement));
+  if ((grows || !a.accepted) && rate * dt > stable_everywhere) {
+    throw Error(ErrorKind::numerics,
+                fmt::format("method.step: {} corrections with the step {:.6g} diverge (t = {:.6g}): {}; their limit of stability is |z| = {:.1f} where modes "
+                            "decay and less where they oscillate, and here |z| = {:.3g}; use a smaller step, fewer iterations or method.tolerance",
+                            options_.iterations, dt, t, a.accepted ? fmt::format("the last one is {:.2g} of the solution", last) : a.reason, limit,
+                            rate * dt));
+  }
   return a;
 }
 
-int DeferredCorrection::allowed_iterations(double dt) const {
-  int k = options_.max_iterations;
-  while (k > 1 && rate_ * dt > stability_limit(k)) --k;
-  return k;
+/// The last Legendre coefficients of F over the step, for quadrature_error: slots from 2 on.
+void DeferredCorrection::add_modes(double dt, Agreement& agreement) {
+  for (std::size_t mode = 0; mode < modes_.size(); ++mode) {
+    terms_.clear();
+    for (std::size_t j = 0; j < f_.size(); ++j) terms_.push_back({dt * modes_[mode][j], &f_[j]});
+    norm_.add_combination(terms_, 2 + static_cast<int>(mode), agreement);
+  }
 }
 
-/// The step after k corrections, before the safety factor: (47), (44), (46), or the best value for its cost.
-double DeferredCorrection::proposed_step(int k, double dt, double error, double contraction, double zeta, double residual) const {
-  const double eta = options_.tolerance;
-  const double p = order_;
-  const double e = std::max(error, round_off_floor);
-  if (k == 0) return dt * std::pow(eta / e, 1.0 / (p + 1.0));
-  const double convergent = residual >= round_off_floor ? 1.0 / zeta : std::numeric_limits<double>::infinity();
-  const double bracket = eta / ((1.0 - contraction) * e + contraction * eta);
-  const double all = options_.max_iterations;
-  if (options_.exponent == DeferredCorrectionOptions::Exponent::published || options_.step_rule != DeferredCorrectionOptions::StepRule::k) {
-    const bool published = options_.exponent == DeferredCorrectionOptions::Exponent::published;
-    const double by_k = dt * std::pow(bracket, 1.0 / (published ? k : k + p + 1.0));
-    const double by_kmax = std::pow(bracket, 1.0 / (published ? all : all + p + 1.0)) * std::pow(zeta * dt, -(all - k) / all) * dt;
-    switch (options_.step_rule) {
-      case DeferredCorrectionOptions::StepRule::k: return std::min(by_k, convergent);
-      case DeferredCorrectionOptions::StepRule::kmax: return std::min(by_kmax, convergent);
-      case DeferredCorrectionOptions::StepRule::min: return std::min({by_k, by_kmax, convergent});
-    }
+/// The residuals tell how far the iteration is from collocation, not how far collocation is from the solution. That is seen in how fast
+/// the Legendre coefficients of F over the step fall off: the first that Radau's rule does not integrate is extrapolated.
+double DeferredCorrection::quadrature_error(double dt, const Agreement& agreement) const {
+  const double stages = nodes_.size();
+  // No solution has derivatives that grow faster than this.
+  const double fastest = (rate_ + rhs_->diffusion().spectral_radius()) * dt / (2.0 * (2.0 * stages - 3.0));
+  double error = 0.0;
+  for (int k = 0; k < norm_.n_controlled(); ++k) {
+    const double last = norm_.value(2, k, agreement);
+    double before = norm_.value(3, k, agreement);
+    // In an oscillation every other coefficient may vanish.
+    if (modes_.size() > 2) before = std::max(before, std::sqrt(last * norm_.value(4, k, agreement)));
+    if (!(last > 0.0)) continue;
+    const double decay = std::min(last / before, fastest);
+    error = std::max(error, quadrature_constant_ * last * std::pow(decay, stages));
   }
-  // The powers the errors really have: err_j ~ dt^(j + p + 1), and a further correction multiplies by zeta dt. Of one iteration
-  // less, as many, and one more, the number that goes farthest for its splitting steps.
-  double best = 0.0;
-  double best_value = -1.0;
-  const int most = hold_ > 0 ? k : std::min(k + 1, options_.max_iterations);
-  for (int j = std::max(1, k - 1); j <= most; ++j) {
-    double step = 0.0;
-    if (j == k) {
-      step = dt * std::pow(bracket, 1.0 / (k + p + 1.0));
-    } else if (j < k) {
-      step = dt * std::pow(eta / std::max(error_estimates_[static_cast<std::size_t>(j)], round_off_floor), 1.0 / (j + p + 1.0));
-    } else {
-      step = dt * std::pow(eta / std::max(e * zeta * dt, round_off_floor), 1.0 / (j + p + 1.0));
-    }
-    step = std::min({step, convergent, stability_limit(j) / rate_});
-    const double splitting_steps = nodes_.size() + j * (nodes_.size() - 1);
-    if (step / splitting_steps > best_value) {
-      best_value = step / splitting_steps;
-      best = step;
-    }
-  }
-  return best;
+  return error;
 }
 
 Attempt DeferredCorrection::adaptive(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
+  using Verdict = DeferredCorrectionControl::Verdict;
   Attempt a;
   a.work = std::exchange(work_ahead_, Work{});
-  const double eta = options_.tolerance;
-  const int k_max = allowed_iterations(dt);
-  error_estimates_.clear();
-  step_limits_.clear();
+  const std::uint64_t asked = flags;
+  const double diffusion_rate = rhs_->diffusion().spectral_radius();
   predict(t, dt, u, a);
-  predicted_->copy_interior(v_.back());
+  Field& prediction = *last_;
+  prediction.copy_interior(v_.back());
+  std::uint64_t flags_of_prediction = 0;
+  control_.begin(dt, rate_ + diffusion_rate);
 
-  double first_residual = 0.0, last_residual = 0.0, zeta = 0.0;
-  double dt_new = 0.5 * dt;
-  for (int k = 0;; ++k) {
+  for (Verdict verdict = Verdict::correct; verdict == Verdict::correct;) {
+    const bool first = a.iterations == 0;
     evaluate_right_hand_sides(t, dt, a);
     quadrature_to_end(dt, u, u_new);
     Agreement& agreement = agreement_;
-    norm_.prepare(2, agreement);
-    agreement.maxima.push_back(k == 0 ? rhs_->reaction().jacobian_bound(t + dt, v_.back(), free_) : 0.0);
+    norm_.prepare(2 + static_cast<int>(modes_.size()), agreement);
     norm_.add_difference(u_new, v_.back(), 0, agreement);
-    norm_.add_difference(u_new, *predicted_, 1, agreement);
+    norm_.add_difference(u_new, prediction, 1, agreement);
+    if (!first) add_modes(dt, agreement);
     norm_.add_scale(v_.back(), agreement);
-    agreement.flags = flags | inspect(v_.back(), free_);
+    agreement.maxima.push_back(first ? rhs_->reaction().jacobian_bound(t + dt, v_.back(), free_) : 0.0);
+    agreement.flags = asked | inspect(v_.back(), free_);
     if (a.failure) agreement.flags |= step_flags::cell_failed;
     comm_->agree(agreement);
     flags = agreement.flags;
-    if (k == 0) rate_ = std::max(agreement.maxima.back(), rhs_->diffusion().spectral_radius());
-    const double residual = norm_.value(0, agreement);   // e_k
-    const double distance = norm_.value(1, agreement);   // |ubar^k - v_s^0|
+    if (first) {
+      rate_ = agreement.maxima.back();
+      flags_of_prediction = flags;
+    }
     // An iterate may be negative where the result is not: it is the result that counts.
-    if (refuses(a, flags & ~step_flags::refuse_negative, u, v_.back(), free_, t, dt) || !std::isfinite(residual) ||
-        !std::isfinite(distance)) {
-      if (a.reason.empty()) a.reason = "the iterates are not finite";
-      dt_new = 0.5 * dt;
+    if (refuses(a, flags & ~step_flags::refuse_negative, u, v_.back(), free_, t, dt)) {
+      control_.refuse();
+      verdict = Verdict::reject;
       break;
     }
-
-    double error = residual;  // (43) for k = 0
-    double contraction = 0.0; // r = sigma_k dt^k
-    if (k == 0) {
-      first_residual = residual;
-    } else {
-      const bool at_floor = residual < round_off_floor;
-      zeta = residual / (last_residual * dt);
-      step_limits_.push_back(1.0 / zeta);
-      contraction = residual / first_residual;
-      if (!at_floor && (zeta * dt >= 1.0 || contraction >= 1.0)) {
-        a.reason = "the corrections do not converge";
-        dt_new = 0.5 * std::min(dt, 1.0 / zeta);
-        break;
-      }
-      error = at_floor ? residual : contraction / (1.0 - contraction) * distance;
+    verdict = control_.judge({norm_.value(0, agreement), norm_.value(1, agreement), first ? 0.0 : quadrature_error(dt, agreement)});
+    if (verdict == Verdict::correct) correct(t, dt, u, a);
+    if (verdict == Verdict::accept_prediction) {
+      swap(v_.back(), prediction);
+      flags = flags_of_prediction;
     }
-    last_residual = residual;
-    a.error = error;
-    error_estimates_.push_back(error);
-
-    dt_new = options_.safety * proposed_step(k, dt, error, contraction, zeta, residual);
-
-    // Without a correction nothing is known of the next one, and the step would stay that of the splitting alone.
-    if (error <= eta && k >= 1) {
+    if (verdict == Verdict::accept || verdict == Verdict::accept_prediction) {
       a.accepted = !refuses(a, flags, u, v_.back(), free_, t, dt);
-      if (!a.accepted) dt_new = 0.5 * dt;
-      break;
+      if (!a.accepted) control_.refuse();
     }
-    if (k >= k_max) {
-      a.reason = "the error estimate exceeds the tolerance after all iterations";
-      break;
-    }
-    // Section 5.1: what the remaining iterations can still bring.
-    if (options_.predict && k > 0) {
-      const double expected = std::pow(zeta * dt, k_max - k) * error;
-      if (expected > eta) {
-        a.reason = "the remaining iterations are not expected to reach the tolerance";
-        break;
-      }
-    }
-    correct(t, dt, u, a);
   }
 
-  // Residuals that are 0 or nearly overflow have no quotient to go by.
-  if (std::isnan(dt_new)) dt_new = a.accepted ? dt : 0.5 * dt;
-  a.dt_next = std::min(dt_new, options_.max_growth * dt);
+  a.error = control_.error();
+  a.dt_next = control_.dt_next();
   if (a.accepted) {
     swap(u_new, v_.back());
-    if (hold_ > 0) --hold_;
-  } else {
-    hold_ = steps_held_after_rejection;
-    a.dt_next = std::clamp(a.dt_next, 0.05 * dt, 0.9 * dt);
+  } else if (a.reason.empty()) {
+    a.reason = control_.reason();
   }
   return a;
+}
+
+std::vector<DeferredCorrection::Estimate> DeferredCorrection::estimates(double t, double dt, Field& u, int most) {
+  Attempt a;
+  Field quadrature = u.similar();
+  std::vector<Estimate> result;
+  predict(t, dt, u, a);
+  last_->copy_interior(v_.back());
+  for (int k = 0; k <= most; ++k) {
+    if (k > 0) correct(t, dt, u, a);
+    evaluate_right_hand_sides(t, dt, a);
+    quadrature_to_end(dt, u, quadrature);
+    Agreement& agreement = agreement_;
+    norm_.prepare(2, agreement);
+    norm_.add_difference(quadrature, v_.back(), 0, agreement);
+    norm_.add_difference(quadrature, *last_, 1, agreement);
+    norm_.add_scale(v_.back(), agreement);
+    comm_->agree(agreement);
+    Estimate e;
+    e.residual = norm_.value(0, agreement);
+    if (k == 0) {
+      e.error = e.residual;
+    } else {
+      e.step_limit = dt * result.back().residual / e.residual;
+      const double r = e.residual / result.front().residual;
+      if (r < 1.0) e.error = r / (1.0 - r) * norm_.value(1, agreement);
+    }
+    result.push_back(e);
+  }
+  return result;
 }
 
 void DeferredCorrection::visit_state(StateVisitor& visitor) {
   visit_flows(visitor, *reaction_, *flows_.diffusion);
   visitor.numbers("scale_floors", norm_.floors());
   visitor.number("rate", rate_);
-  visitor.integer("hold", hold_);
+  DeferredCorrectionControl::Memory& memory = control_.memory();
+  visitor.integer("hold", memory.hold);
+  visitor.number("rejected_step", memory.rejected_step);
+  visitor.number("prediction_step", memory.prediction_step);
+  visitor.number("prediction_error", memory.prediction_error);
+  visitor.number("prediction_power", memory.prediction_power);
 }
 
 }  // namespace stiffront

@@ -41,6 +41,23 @@ void StateNorm::add_difference(const Field& a, const Field& b, int slot, Agreeme
   }
 }
 
+void StateNorm::add_combination(std::span<const Term> terms, int slot, Agreement& agreement) const {
+  for (std::size_t k = 0; k < species_.size(); ++k) {
+    ReproducibleSum& sum = agreement.sums[static_cast<std::size_t>(slot) * species_.size() + k];
+    for (int j = free_.j_begin; j < free_.j_end; ++j) {
+      for_each_pack(free_.i_begin, free_.i_end, [&](int i, int n) {
+        Pack d(0.0);
+        for (const Term& term : terms) d = mul_add(Pack(term.factor), Pack::load_partial(term.field->row(species_[k], j) + i, n), d);
+        if (n == pack_size) {
+          sum.add(d * d);
+        } else {
+          sum.add(d * d, Mask::first(n));
+        }
+      });
+    }
+  }
+}
+
 void StateNorm::add_scale(const Field& u, Agreement& agreement) const {
   for (std::size_t k = 0; k < species_.size(); ++k) {
     Pack largest(0.0);
@@ -52,15 +69,21 @@ void StateNorm::add_scale(const Field& u, Agreement& agreement) const {
   }
 }
 
+double StateNorm::value(int slot, int k, const Agreement& agreement) const {
+  const auto n = static_cast<std::size_t>(k);
+  const double sum = agreement.sums[static_cast<std::size_t>(slot) * species_.size() + n].value();
+  const double floor = floors_.empty() ? 0.0 : floors_[static_cast<std::size_t>(species_[n])];
+  const double largest = std::max(agreement.maxima[n], floor);
+  const double scale = largest > 0.0 ? largest : 1.0;
+  const double rms = std::sqrt(sum / points_) / scale;
+  return rms < std::numeric_limits<double>::infinity() ? rms : std::numeric_limits<double>::quiet_NaN();
+}
+
 double StateNorm::value(int slot, const Agreement& agreement) const {
   double norm = 0.0;
-  for (std::size_t k = 0; k < species_.size(); ++k) {
-    const double sum = agreement.sums[static_cast<std::size_t>(slot) * species_.size() + k].value();
-    const double floor = floors_.empty() ? 0.0 : floors_[static_cast<std::size_t>(species_[k])];
-    const double largest = std::max(agreement.maxima[k], floor);
-    const double scale = largest > 0.0 ? largest : 1.0;
-    const double rms = std::sqrt(sum / points_) / scale;
-    if (!(rms < std::numeric_limits<double>::infinity())) return std::numeric_limits<double>::quiet_NaN();
+  for (int k = 0; k < n_controlled(); ++k) {
+    const double rms = value(slot, k, agreement);
+    if (std::isnan(rms)) return rms;
     norm = std::max(norm, rms);
   }
   return norm;

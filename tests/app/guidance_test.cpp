@@ -166,7 +166,7 @@ end = 1
   for (const int order : {2, 4}) {
     const Case c = parse_case({"a.toml", text, {"space.order=" + std::to_string(order)}}, models.descriptions());
     Problem problem(c, models, self);
-    const std::vector<double> error = spatial_error(problem);
+    const std::vector<double> error = spatial_error(problem).missed;
     const double expected = order == 2 ? kh * kh / 12.0 : kh * kh * kh * kh / 90.0;
     EXPECT_NEAR(error[0], expected, 0.02 * expected) << order;
     EXPECT_EQ(error[1], 0.0);
@@ -184,7 +184,7 @@ TEST(Advice, NamesWhatStandsOut) {
   summary.imbalance = 1.5;
   summary.negatives = 3;
   summary.wall_seconds = {{"communication", 9.0}, {"output", 12.0}, {"total", 20.0}};
-  const std::vector<std::string> lines = advice(c, summary, errors, {0.5, 0.0, 0.0});
+  const std::vector<std::string> lines = advice(c, summary, errors, {{0.5, 0.0, 0.0}, 0.0});
   for (const char* part : {"sum over 100 steps 0.0005", "miss 50 % of the diffusion of a", "far above the one in time", "33 % of the attempts were rejected",
                            "critical splitting step", "imbalance 1.50", "output took long", "waiting for other ranks", "3 states held negative"}) {
     EXPECT_TRUE(says(lines, part));
@@ -192,7 +192,17 @@ TEST(Advice, NamesWhatStandsOut) {
   summary.rejected = summary.negatives = 0;
   summary.imbalance = 1.0;
   summary.wall_seconds.clear();
-  EXPECT_EQ(advice(c, summary, ErrorRecord(c.method), {0.0, 0.0, 0.0}).size(), 0U);
+  EXPECT_EQ(advice(c, summary, ErrorRecord(c.method), {{0.0, 0.0, 0.0}, 0.0}).size(), 0U);
+}
+
+TEST(Advice, SaysWhetherTheToleranceOfDcsIsFinerThanTheGridDeserves) {
+  const Case c = parse_example({"method={name=\"dcs\", tolerance=1e-6}"});
+  ErrorRecord errors(c.method);
+  errors.add(accepted(5e-7, 0.1, 0.0));
+  Summary summary;
+  summary.accepted = 1;
+  EXPECT_TRUE(says(advice(c, summary, errors, {{1e-3, 0.0, 0.0}, 1e-4}), "finer than the grid deserves: in a step of 0.1 the error in space is about 1e-05"));
+  EXPECT_TRUE(says(advice(c, summary, errors, {{1e-3, 0.0, 0.0}, 1e-6}), "error in space of one step of 0.1: about 1e-07, below"));
 }
 
 }  // namespace

@@ -5,7 +5,10 @@
 
 #include <cmath>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "stiffront/control/collocation.hpp"
 #include "stiffront/control/cvode.hpp"
 #include "stiffront/control/evolve.hpp"
 #include "stiffront/core/error.hpp"
@@ -113,30 +116,54 @@ TEST_F(DeferredCorrectionTest, EveryIterationAddsAnOrderToStrangUpToTheQuadratur
   for (int k = 0; k <= 2; ++k) EXPECT_NEAR(order(k, true), 2.0 + k, 0.3) << "k = " << k;
 }
 
-TEST_F(DeferredCorrectionTest, ConvergesToTheRadauIIAStep) {
-  // The residual of the collocation equations: the last iterate differs from its own quadrature by round-off only.
+/// One step of Radau IIA, coupled, by fixed-point iteration: converges where |z| is small.
+Field radau_iia_step(CoupledRhs& rhs, Field& u, double dt, int stages) {
+  const CollocationNodes nodes = collocation_nodes(NodeFamily::gauss_radau, stages);
+  std::vector<Field> v, f;
+  for (int i = 0; i < stages; ++i) {
+    v.push_back(u.similar());
+    f.push_back(u.similar());
+    v.back().copy_interior(u);
+  }
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    for (std::size_t i = 0; i < v.size(); ++i) rhs.evaluate(nodes.c[i] * dt, v[i], f[i]);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      std::vector<Term> terms{{1.0, &u}};
+      for (std::size_t j = 0; j < v.size(); ++j) terms.push_back({dt * nodes.s[i][j], &f[j]});
+      combine(terms, v[i]);
+    }
+  }
+  Field last = u.similar();
+  last.copy_interior(v.back());
+  return last;
+}
+
+TEST_F(DeferredCorrectionTest, ConvergesToTheRadauIIAStepToRoundOff) {
+  // Values are about 3, with units in the last place of 4e-16.
+  for (int stages : {2, 3, 4, 5}) {
+    const Field exact = radau_iia_step(rhs_, u_, 1e-3, stages);
+    for (bool strang : {false, true}) EXPECT_LT(distance(fixed(1e-3, 20, strang, 1e-3, stages), exact), 4e-15) << stages;
+  }
+}
+
+TEST_F(DeferredCorrectionTest, ResidualsOfItsIteratesFallToRoundOff) {
   DeferredCorrectionOptions o;
-  o.tolerance = 1e-30;
-  o.max_iterations = 40;
-  o.initial_step = 1e-2;
-  o.predict = false;
+  o.fixed_step = 1e-2;
+  o.iterations = 20;
   DeferredCorrection method(u_, rhs_, reaction_, rock4_, o);
-  Field u = u_.similar();
-  u.copy_interior(u_);
-  Field u_new = u_.similar();
-  method.first_step(0.0, 1.0, u);
-  std::uint64_t flags = 0;
-  method.attempt(0.0, 1e-2, u, u_new, flags);
-  ASSERT_GT(method.error_estimates().size(), 5U);
-  double least = 1.0;
-  for (double e : method.error_estimates()) least = std::min(least, e);
-  EXPECT_LT(least, 1e-14);
+  const auto estimates = method.estimates(0.0, 1e-2, u_, 20);
+  ASSERT_EQ(estimates.size(), 21U);
+  EXPECT_LT(estimates.back().residual, 1e-14);
+  for (std::size_t k = 1; k <= 4; ++k) {
+    EXPECT_LT(estimates[k].error, estimates[k - 1].error);
+    EXPECT_GT(estimates[k].step_limit, 1e-2);
+  }
 }
 
 TEST_F(DeferredCorrectionTest, MoreStagesHaveAHigherQuadratureOrder) {
   const Field exact = reference(0.4);
   // With enough corrections the quadrature decides: order 3 for two stages, 5 for three.
-  EXPECT_GT(distance(fixed(0.02, 5, true, 0.4, 2), exact), 20.0 * distance(fixed(0.02, 5, true, 0.4, 3), exact));
+  EXPECT_GT(distance(fixed(0.01, 5, true, 0.4, 2), exact), 20.0 * distance(fixed(0.01, 5, true, 0.4, 3), exact));
 }
 
 TEST_F(DeferredCorrectionTest, AdaptiveErrorsFollowTheTolerance) {
@@ -178,8 +205,30 @@ TEST_F(DeferredCorrectionTest, AFixedStepBeyondTheLimitIsAnErrorThatNamesIt) {
     FAIL() << "reached t = " << progress.t;
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), ErrorKind::numerics);
-    EXPECT_NE(std::string(e.what()).find("7.8"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("limit of stability is |z| = 7.8"), std::string::npos) << e.what();
   }
+}
+
+TEST_F(DeferredCorrectionTest, OscillatingModesThatDivergeWithinTheLimitOfDecayingOnesAreAnErrorToo) {
+  ModelRegistry registry;
+  register_builtin_models(registry);
+  const auto oscillator = registry.make("slaved-oscillator", {{"damping", 1.0}, {"omega", 200.0}});
+  const DiffusionOperator diffusion(decomposition_.grid(), boundary_, {1e-3, 0.0, 0.0}, 2);
+  CoupledRhs rhs(decomposition_, diffusion, *oscillator);
+  Field u(decomposition_, 3, 1);
+  oscillator->initialise("slaved-oscillator-front", u);
+  for (int i = 0; i < u.n_x(); ++i) u.at(1, i) += 0.1;
+  ReactionFlow reaction(decomposition_, boundary_, oscillator->make_radau5({1e-8, {1e-8, 1e-8, 1e-8}}));
+  Rock4 rock4(decomposition_, diffusion, {1e-8, {1e-8, 1e-8, 1e-8}});
+  DeferredCorrectionOptions o;
+  o.fixed_step = 5.0 / 200.0;  // |z| = 5, below the 7.8 of modes that decay
+  o.iterations = 4;
+  DeferredCorrection method(u, rhs, reaction, rock4, o);
+  Schedule schedule;
+  schedule.end = 10.0;
+  Progress progress;
+  Observer nobody;
+  EXPECT_THROW(evolve(method, schedule, u, progress, nobody), Error);
 }
 
 }  // namespace

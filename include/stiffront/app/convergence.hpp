@@ -20,6 +20,9 @@ struct ConvergenceRow {
   std::optional<double> order;  ///< from the row before of the same variant
   std::vector<std::pair<std::string, double>> per_species;
   std::string failure;  ///< why there is no error
+  /// Local studies of dcs: the method's own estimate of the error, (43) of Duarte & Emmett 2016, and the step dt_max,k from which on its k-th
+  /// correction improves nothing. NaN where there is none.
+  std::optional<double> estimate, step_limit;
 };
 
 struct ConvergenceStudy {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "stiffront/app/problem.hpp"
+#include "stiffront/control/deferred_correction.hpp"
 #include "stiffront/control/method.hpp"
 #include "stiffront/control/spectral_deferred_correction.hpp"
 #include "stiffront/core/timer.hpp"
@@ -17,9 +18,16 @@ namespace stiffront::app {
 /// @throws Error(input) for what a case may say but the problem at hand does not allow.
 class MethodStack {
  public:
-  MethodStack(const Case& c, Problem& problem);
+  enum class Purpose {
+    run,
+    single_step,  ///< a step of an order study: one that is not stable is no error, since its modes are amplified just once
+  };
+
+  MethodStack(const Case& c, Problem& problem, Purpose purpose = Purpose::run);
 
   Method& method() { return *method_; }
+  /// Null unless the method is dcs.
+  DeferredCorrection* deferred_correction() const { return deferred_correction_; }
   /// Null for methods that do not split.
   const ReactionFlow* reaction_flow() const { return reaction_.get(); }
   /// Relative tolerance the reaction is integrated with; 0 for methods that do not split.
@@ -30,8 +38,8 @@ class MethodStack {
   const std::string& choice() const { return choice_; }
 
  private:
-  /// @return the relative tolerance the flows are integrated with
-  double make_flows(const Case& c, Problem& problem, double method_tolerance);
+  /// Inner solvers must be finer than what they are there to reveal, whatever the case says. @return the larger of their tolerances
+  double make_flows(const Case& c, Problem& problem, double finest_reaction, double finest_diffusion);
   void make(const Case& c, const LieOptions& o, Problem& problem);
   void make(const Case& c, const StrangOptions& o, Problem& problem);
   void make(const Case& c, const AdaptiveStrangOptions& o, Problem& problem);
@@ -41,6 +49,7 @@ class MethodStack {
   void make(const Case& c, const CvodeOptions& o, Problem& problem);
   void make(const Case& c, const AutoOptions& o, Problem& problem);
 
+  Purpose purpose_ = Purpose::run;
   double reaction_tolerance_ = 0.0;
   double diffusion_seconds_ = 0.0;
   std::unique_ptr<ReactionFlow> reaction_;
@@ -51,6 +60,7 @@ class MethodStack {
   std::unique_ptr<ImplicitPart> implicit_part_;              // sdc
   std::unique_ptr<StepPropagator> propagator_;               // sdc with a composition of flows
   std::unique_ptr<Method> method_;
+  DeferredCorrection* deferred_correction_ = nullptr;
   std::string choice_;
 };
 

@@ -156,6 +156,7 @@ enum class Splitting { lie, strang };
 /// Which rule gives the next step of DC-S: with the corrections done, with the most that may be done, or the smaller
 /// one.
 enum class StepRule { k, kmax, min };
+enum class StepExponent { observed, published };
 
 /// method.name = "dcs" (Duarte, Emmett, deferred correction of splittings). Exactly one of tolerance and step is set.
 struct DcsOptions {
@@ -166,7 +167,8 @@ struct DcsOptions {
   std::optional<int> max_iterations;  ///< complete case: always set
   std::optional<int> iterations;      ///< fixed number, with step; complete case: set if step is
   StepRule step_rule = StepRule::k;
-  double safety = 0.9;  ///< nu
+  StepExponent exponent = StepExponent::observed;  ///< of the step rules
+  double safety = 0.9;                             ///< nu
   bool predict = true;
   double initial_step = 0.0;  ///< 0 = chosen by the program
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "stiffront/core/mpi.hpp"
 #include "stiffront/mesh/boundary.hpp"
 #include "stiffront/mesh/field.hpp"
+#include "stiffront/mesh/field_algebra.hpp"
 
 namespace stiffront {
 
@@ -33,10 +35,14 @@ class StateNorm {
   }
   /// Adds this rank's part of |a - b| in the given slot. @cost one pass over both.
   void add_difference(const Field& a, const Field& b, int slot, Agreement& agreement) const;
+  /// Adds this rank's part of |sum of the terms|. @cost one pass over all of them.
+  void add_combination(std::span<const Term> terms, int slot, Agreement& agreement) const;
   /// Adds this rank's part of the scales.
   void add_scale(const Field& u, Agreement& agreement) const;
   /// The norm after the agreement. NaN if a difference was not finite.
   double value(int slot, const Agreement& agreement) const;
+  /// The same of the controlled species number k alone.
+  double value(int slot, int k, const Agreement& agreement) const;
 
  private:
   FreeBox free_;
