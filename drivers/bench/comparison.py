@@ -65,6 +65,9 @@ class Problem:
         grid, model = case["grid"], case["model"]
         self.dimension = len(grid["points"])
         boundary = case.get("boundary", {})
+        sides = {boundary.get(d + side, "neumann") for d in "xy"[:self.dimension] for side in ("", "_lower", "_upper")}
+        if not sides <= {"neumann", "periodic"}:
+            raise SystemExit(f"{self.name}: the peers know boundaries without flux and periodic ones")
         periodic = [int(boundary.get(d, "neumann") == "periodic") for d in "xy"[:self.dimension]]
         self.arguments = [
             "model=" + (self.model or model["name"]),

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Method auto on problems nobody tuned it for, against an optimised CVODE with GMRES and block Jacobi (in one dimension banded, too).
 
-    drivers/bench/kept_aside.py [--problems excitable-1d,...] [--repeats 3] [--least] [--out out/kept-aside]
+    drivers/bench/kept_aside.py [--stress] [--problems excitable-1d,...] [--repeats 3] [--least] [--out out/kept-aside]
 
 At every tolerance from 1e-3 to 1e-8, two claims: the error of auto (root mean square over the largest modulus, worst species, against
 CVODE at a tight tolerance) is at most ten times the tolerance, and auto needs no more time than the best CVODE for the error it
-reached. Exit status 1 if a claim fails. Custom models are read from kept_aside/*.toml by the program, and compiled into the peers.
+reached. Exit status 1 if a claim fails. --stress: the models of stress_table instead. Custom models are read from kept_aside/*.toml by the program, and compiled into the peers.
 """
 import argparse
 import os
@@ -46,6 +46,23 @@ PROBLEMS = [
     Problem("eight-species-2d", case("eight-species"), ["time.end=2"], model="eight-species", reference_tolerance=1e-10),
     Problem("diurnal-1d", case("diurnal"), [line(401, "20.0")], model="diurnal"),
     Problem("diurnal-2d", case("diurnal"), [], model="diurnal", reference_tolerance=1e-10),
+]
+STRESS = [
+    Problem("bruss1e4", "brusselator-stiff-1d", []),
+    Problem("bruss1e6", "brusselator-stiff-1d", ["model.parameters.B=1e6"]),
+    Problem("grayscott", "gray-scott-1d", []),
+    Problem("fhn", "fhn-1d", []),
+    Problem("flame10", "flame-1d", []),
+    Problem("flame40", "flame-1d", ["model.parameters.Ze=40", "model.parameters.Le=0.8", "model.diffusion.fuel=1.25", "grid.upper=[10.0]",
+                                    "grid.points=[1001]", "time.end=0.5"]),
+    Problem("angio", "angiogenesis-1d", []),
+    Problem("ignite", "ignition-1d", []),
+    Problem("lamom20", "lambda-omega-1d", []),
+    Problem("lamom200", "lambda-omega-1d", ["model.parameters.omega=200"]),
+    Problem("slave100", "slaved-oscillator-1d", ["model.parameters.damping=100"]),
+    Problem("slave20", "slaved-oscillator-1d", []),
+    Problem("slave5", "slaved-oscillator-1d", ["model.parameters.damping=5", "model.parameters.omega=500"]),
+    Problem("pulse", "pulse-1d", []),
 ]
 TOLERANCES = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8]
 
@@ -95,6 +112,7 @@ def report(problem, auto, peers):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--problems", help="names, comma-separated: " + ", ".join(p.name for p in PROBLEMS))
+    parser.add_argument("--stress", action="store_true", help="the models of stress_table")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--least", action="store_true", help="the least instead of the median of the repetitions")
     parser.add_argument("--program", default=os.path.join(comparison.ROOT, "build", "release", "stiffront"))
@@ -104,7 +122,7 @@ def main():
     print("error over tolerance, and how many times the time of auto CVODE needs for that error (GMRES, in 1-D /band)\n")
     print("| problem | " + " | ".join(f"{t:g}" for t in TOLERANCES) + " |\n|" + " --- |" * (len(TOLERANCES) + 1))
     failures = []
-    for problem in PROBLEMS:
+    for problem in STRESS if options.stress else PROBLEMS:
         if options.problems and problem.name not in options.problems.split(","):
             continue
         problem.prepare(bench)

@@ -74,7 +74,7 @@ CODES = [
     Code("dcs", True, method('method={name="dcs", tolerance=#}', decades(3, 6))),
     Code("sdc", True, method('method={name="sdc", tolerance=#}', decades(3, 8))),
     Code("cvode (method)", True, method('method={name="cvode", relative_tolerance=#, absolute_tolerance=%}', decades(2, 9))),
-    Code("cvode-gmres", False, peer("cvode_peer", ["linear_solver=gmres"], decades(2, 9))),
+    Code("cvode-gmres", False, peer("cvode_peer", ["linear_solver=gmres"], decades(2, 8))),
     Code("cvode-band", False, peer("cvode_peer", ["linear_solver=band"], decades(3, 9)), dimension=1),
     Code("arkode-imex", False, peer("arkode_peer", ["order=4"], decades(2, 7))),
     Code("petsc-bdf", False, peer("petsc_peer", [], decades(2, 8))),
