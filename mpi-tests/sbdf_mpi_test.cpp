@@ -143,6 +143,9 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
 INSTANTIATE_TEST_SUITE_P(
     All, SbdfMpi,
     ::testing::Values(
+        Setting{"plane_neumann_periodic_2", unit_grid(67, 17, false, true), BoundaryKind::neumann, BoundaryKind::periodic, 2},
+        Setting{"plane_neumann_periodic_4", unit_grid(67, 33, false, true), BoundaryKind::neumann, BoundaryKind::periodic, 4},
+        Setting{"plane_periodic_neumann_2", unit_grid(33, 67, true, false), BoundaryKind::periodic, BoundaryKind::neumann, 2},
         Setting{"line_neumann_2", unit_grid(203, 1), BoundaryKind::neumann, BoundaryKind::neumann, 2},
         Setting{"line_dirichlet_4", unit_grid(101, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 4},
         Setting{"line_periodic_4", unit_grid(97, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},

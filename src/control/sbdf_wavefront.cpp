@@ -47,7 +47,6 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
       width_(diffusion.halo_width()),
       periodic_x_(decomposition_->grid().periodic[0]),
       periodic_y_(decomposition_->grid().periodic[1]),
-      row_bytes_(shape.row_stride() * n_species_ * static_cast<int>(sizeof(double))),
       depth_(max_sweeps),
       together_(together) {
   const auto is_other = [&](int dx, int dy) {
@@ -59,11 +58,13 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
   lower_ = is_other(0, -1);
   upper_ = is_other(0, 1);
   has_neighbours_ = decomposition_->comm().size() > 1;
+  // The depth decides whether ranks exchange once or for every sweep: it is made of what all of them know.
+  const Grid& grid = decomposition_->grid();
+  const std::array<int, 2> processes = decomposition_->processes();
   if (has_neighbours_) {
-    const Grid& grid = decomposition_->grid();
     std::int64_t thinnest = std::numeric_limits<std::int64_t>::max();
     for (std::size_t k = 0; k < static_cast<std::size_t>(grid.dimension); ++k) {
-      if (decomposition_->processes()[k] > 1) thinnest = std::min(thinnest, grid.points[k] / decomposition_->processes()[k]);
+      if (processes[k] > 1 || grid.periodic[k]) thinnest = std::min(thinnest, grid.points[k] / processes[k]);
     }
     depth_ = 0;
     for (int sweeps : exchange_depths) {
@@ -75,16 +76,19 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
     }
     reach_ = depth_ * width_;
   }
-  if (decomposition_->grid().dimension == 1) {
+  if (grid.dimension == 1) {
     for (int k = 0; k < 2 && has_neighbours_; ++k) line_states_.emplace_back(*decomposition_, n_species_, std::max(reach_, width_));
     return;
   }
-  rows_ = std::clamp(piece_of_rows / n_x_, 1, 16);
+  const int longest = static_cast<int>((grid.points[0] + processes[0] - 1) / processes[0]);
+  constexpr int padding = 3 * 8;
+  row_bytes_ = static_cast<std::ptrdiff_t>(longest + padding) * n_species_ * static_cast<std::ptrdiff_t>(sizeof(double));
+  rows_ = std::clamp(piece_of_rows / longest, 1, 16);
   // A sweep adds its own window of rows and keeps those of predictor and right side alive longer.
   const std::ptrdiff_t fits = (cache_share / row_bytes_ - 2 * rows_) / (rows_ + 5 * width_);
   const int wanted = depth > 0 ? depth : static_cast<int>(std::clamp<std::ptrdiff_t>(fits, 1, max_sweeps));
   depth_ = has_neighbours_ ? std::min(depth_, wanted) : wanted;
-  // A periodic direction is unrolled once at most.
+  // A periodic direction is unrolled once at most; a divided one has let pass no more than its thinnest part above.
   depth_ = std::min(depth_, std::max(1, n_y_ / width_));
   if (depth_ == 0) return;
   const Field wide(*decomposition_, n_species_, std::max(reach_, shape.halo()));
@@ -154,24 +158,34 @@ void SbdfWavefront::mirror_row(const Rows& rows, int from, int to) const {
   }
 }
 
-/// Brings predictor and right side up to the depth of the step's sweeps around the box; inside they are made only as far as the
-/// neighbours look.
+namespace {
+
+void make_predictor(const SbdfWavefront::Step& step, const Rows& predictor, const Rows& right_side, const FreeBox& box, int shift = 0) {
+  bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, predictor, right_side, box, shift);
+}
+
+}  // namespace
+
+/// Brings predictor and right side up to the depth of the step's sweeps around the box. Inside they are made here only as far as
+/// neighbours look, or the other end of a periodic direction that is not divided, and while these travel the rest of a line.
 void SbdfWavefront::exchange(const Step& step, Field& predictor, Field& right_side) {
   const auto sweeps = static_cast<int>(step.shifts.size());
   const Exchange& fitting = *std::find_if(exchanges_.begin(), exchanges_.end(), [&](const Exchange& e) { return e.sweeps >= sweeps; });
   const int depth = fitting.sweeps * width_;
-  const int below = lower_ ? std::min(depth, n_y_) : 0;
-  const int above = upper_ ? std::max(below, n_y_ - depth) : n_y_;
+  const int below = lower_ || periodic_y_ ? std::min(depth, n_y_) : 0;
+  const int above = upper_ || periodic_y_ ? std::max(below, n_y_ - depth) : n_y_;
   const int before = left_ ? std::min(depth, n_x_) : 0;
   const int after = right_ ? std::max(before, n_x_ - depth) : n_x_;
   for (const FreeBox& strip : {FreeBox{0, n_x_, 0, below}, FreeBox{0, n_x_, above, n_y_}, FreeBox{0, before, below, above},
                                FreeBox{after, n_x_, below, above}}) {
     if (strip.i_begin >= strip.i_end || strip.j_begin >= strip.j_end) continue;
-    bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, rows_of(predictor),
-                rows_of(right_side), strip);
+    make_predictor(step, rows_of(predictor), rows_of(right_side), strip);
   }
   const std::array<Field*, 2> fields{&predictor, &right_side};
   fitting.halos->begin(fields);
+  if (decomposition_->grid().dimension == 1 && before < after) {
+    make_predictor(step, rows_of(predictor), rows_of(right_side), {before, after, 0, 1});
+  }
   fitting.halos->finish();
 }
 
@@ -204,10 +218,11 @@ void SbdfWavefront::begin_rows(const Step& step, const Leg& leg, Rings& rings, c
   }
   const FreeBox own{0, n_x_, box.j_begin, box.j_end};
   if (leg.from == nullptr) {
-    bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, start, r, own, shift);
+    make_predictor(step, start, r, own, shift);
     if (leg.predictor == nullptr) {
-      if (step.tests_order) bdf_combine(step.states, step.lower, step.upper, tests_[0].rows(alive), tests_[1].rows(alive), own,
-                                        shift);
+      if (step.tests_order) {
+        bdf_combine(step.states, step.lower, step.upper, tests_[0].rows(alive), tests_[1].rows(alive), own, shift);
+      }
       return;
     }
     if (shift != 0) return;
@@ -240,7 +255,7 @@ void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const 
       const Step& step = steps[leg.step];
       Rings& rings = rings_[l];
       const int sweeps = leg.last - leg.first;
-      const int alive = window(rows_, width_, leg.last - leg.first);
+      const int alive = window(rows_, width_, sweeps);
       const Rows start = rings.predictor.rows(alive);
       const auto state = [&](int k) {
         if (k == 0) return start;
@@ -319,8 +334,7 @@ void SbdfWavefront::line(const Step& step, Field& predictor, Field& right_side, 
       if (box.i_begin == box.i_end) break;
       Field& u = state(k);
       if (k == 0) {
-        bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, rows_of(u),
-                    rows_of(right_side), box);
+        make_predictor(step, rows_of(u), rows_of(right_side), box);
       } else {
         sweep.shift = step.shifts[static_cast<std::size_t>(k - 1)];
         sweep.v = rows_of(state(k - 1));
@@ -340,9 +354,6 @@ void SbdfWavefront::line(const Step& step, Field& predictor, Field& right_side, 
 void SbdfWavefront::line_next_to_others(const Step& step, Field& predictor, Field& right_side, const Finished& finished) {
   const auto sweeps = static_cast<int>(step.shifts.size());
   exchange(step, predictor, right_side);
-  const FreeBox own{0, n_x_, 0, 1};
-  bdf_combine(step.states.first(static_cast<std::size_t>(step.points)), step.predictor, step.history, rows_of(predictor),
-              rows_of(right_side), own);
   SbdfSweep sweep;
   sweep.t = step.t;
   sweep.gamma = step.gamma;
@@ -358,7 +369,7 @@ void SbdfWavefront::line_next_to_others(const Step& step, Field& predictor, Fiel
     kernel_->sweep(*diffusion_, sweep, {-beyond(left_, sweeps, k), n_x_ + beyond(right_, sweeps, k), 0, 1});
     from = to;
   }
-  finished(0, own, {rows_of(std::as_const(predictor)), {}, {}}, false);
+  finished(0, {0, n_x_, 0, 1}, {rows_of(std::as_const(predictor)), {}, {}}, false);
 }
 
 }  // namespace stiffront

@@ -17,9 +17,10 @@ struct BdfErrors {
 
 /// Step size and order of a variable-step, variable-order BDF method, from error estimates alone.
 ///
-/// It aims at a third of the tolerance, and at a thirtieth at the low orders of a start. A changed step is held for order + 1 steps before it is raised again, and
-/// raised only if that gains a fifth; it is lowered at once if the next error would come close to the tolerance. The
-/// order with the largest step is taken; it is reconsidered every order + 1 steps.
+/// It aims at a third of the tolerance, and at a thirtieth at the low orders of a start. A changed step is held for
+/// order + 1 steps before it is raised again, and raised only if that gains a fifth; it is lowered at once if the next
+/// error would come close to the tolerance. The order with the largest step is taken; it is reconsidered every order + 1
+/// steps.
 ///
 /// Orders above 2 are unstable for decaying oscillations near the imaginary axis within some range of the step. The
 /// ringing shows in the errors, which keep the step at the edge of that range, but looks there much like a solution that
@@ -32,16 +33,15 @@ class BdfControl {
   explicit BdfControl(int max_order) : max_order_(max_order) {}
 
   int order() const { return order_; }
-  /// Whether the next step should come with the errors at the neighbouring orders.
-  bool wants_order_test() const { return max_order_ > 1 && held_ % (order_ + 1) == order_; }
+  /// Whether the next step should come with the errors at the neighbouring orders; or the one after `ahead` more, if these
+  /// are accepted and change neither size nor order.
+  bool wants_order_test(int ahead = 0) const { return max_order_ > 1 && (held_ + ahead) % (order_ + 1) == order_; }
   /// Whether that test should have the error at order 2 instead of that at order + 1.
   bool wants_second_order() const { return suspicion_ == Suspicion::of_errors && order_ > 2; }
   /// Whether that test should have the highest quiet order.
   bool wants_quiet_order() const { return suspicion_ == Suspicion::of_modes && order_ > 2; }
   /// The step for which it should be found: the largest of those that did not grow.
   double suspected_dt() const { return suspected_dt_; }
-  /// The same of the step after `ahead` more, if these are accepted and change neither size nor order.
-  bool wants_order_test(int ahead) const { return max_order_ > 1 && (held_ + ahead) % (order_ + 1) == order_; }
   /// How many of the next steps are likely to have the size and order of the first of them; at most the last is a test of
   /// other orders. A guess, for work that may be done ahead and thrown away.
   int likely_alike() const;

@@ -56,9 +56,10 @@ double sbdf_step_tolerance(double relative_tolerance);
 /// likely to have the same size and order. They are what those attempts will be if nothing changes, to the bit, and thrown
 /// away if something does; the counts of work leave them out.
 ///
-/// @mpi    One halo exchange per step where the wavefront serves the box, else one per sweep (diffusing species only); one agreement per step attempt; the messages of
-/// BlockTridiagonal in a step that couples all cells.
-/// @cost   per sweep and cell: one evaluation of rates and Jacobian, one m x m solve; 5 + max_order fields of memory, 7 + max_order where steps are made ahead
+/// @mpi    One halo exchange per step where the wavefront serves the box, else one per sweep (diffusing species only);
+/// one agreement per step attempt; the messages of BlockTridiagonal in a step that couples all cells.
+/// @cost   per sweep and cell: one evaluation of rates and Jacobian, one m x m solve; 5 + max_order fields of memory, two
+/// more where steps are made ahead
 /// @see    docs/sbdf.md; Hagstrom & Zhou, Commun. Appl. Math. Comput. Sci. 1(1), 2006, section 5 (the splitting of the
 /// Jacobian)
 class Sbdf final : public Method {

@@ -112,7 +112,7 @@ class SbdfWavefront {
   int n_x_, n_y_;
   int width_;
   bool periodic_x_, periodic_y_;
-  std::ptrdiff_t row_bytes_;   ///< of all species
+  std::ptrdiff_t row_bytes_ = 0;  ///< of the longest row of any rank, all species
   int rows_ = 1;               ///< taken through all sweeps at a time
   int depth_;
   int together_;
