@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <limits>
+#include <span>
 #include <utility>
 
 #include "stiffront/control/absent_species.hpp"
@@ -12,6 +15,7 @@
 #include "stiffront/control/fixed_step.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/mesh/field_algebra.hpp"
+#include "stiffront/model/reaction_modes.hpp"
 
 namespace stiffront {
 namespace {
@@ -42,29 +46,6 @@ double error_constant(int stages) {
   const double last = factorial(stages - 1) / factorial(2 * stages - 2);
   const double decay = 1.0 / (2.0 * (2.0 * stages - 3.0));
   return error / (last * std::pow(decay, stages));
-}
-
-/// Modulus of the largest eigenvalue of a matrix with n rows: |A^(2^12)|^(2^-12).
-double spectral_radius(std::vector<double>& a, std::vector<double>& square, std::size_t n) {
-  double log_radius = 0.0;
-  double weight = 1.0;
-  for (int k = 0; k < 12; ++k) {
-    double norm = 0.0;
-    for (double x : a) norm = std::max(norm, std::abs(x));
-    if (!(norm > 0.0) || !std::isfinite(norm)) return norm;
-    log_radius += weight * std::log(norm);
-    for (double& x : a) x /= norm;
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < n; ++j) {
-        double sum = 0.0;
-        for (std::size_t q = 0; q < n; ++q) sum += a[i * n + q] * a[q * n + j];
-        square[i * n + j] = sum;
-      }
-    }
-    std::swap(a, square);
-    weight *= 0.5;
-  }
-  return std::exp(log_radius);
 }
 
 }  // namespace
@@ -179,18 +160,13 @@ void DeferredCorrection::check_stability(double t, double dt, const Field& u) co
   if (const double rate = rhs_->diffusion().spectral_radius(); rate * dt > limit) refuse_step(t, dt, rate);
   if (!(rate_ * dt > limit)) return;
   // The bound is a few per cent too large: nobody is to be refused for that.
-  const auto n = static_cast<std::size_t>(u.n_species());
-  const Decomposition& d = u.decomposition();
-  std::vector<double> state(n), jacobian(n * n), square(n * n);
   double rate = 0.0;
-  for (int j = free_.j_begin; j < free_.j_end; ++j) {
-    for (int i = free_.i_begin; i < free_.i_end; ++i) {
-      for (std::size_t s = 0; s < n; ++s) state[s] = u.at(static_cast<int>(s), i, j);
-      const double y = d.grid().dimension == 2 ? d.grid().position(1, d.offset_y() + j) : 0.0;
-      rhs_->reaction().jacobian_at(t, d.grid().position(0, d.offset_x() + i), y, state.data(), jacobian.data());
-      rate = std::max(rate, spectral_radius(jacobian, square, n));
-    }
-  }
+  const std::int64_t everywhere = u.decomposition().grid().total_points();
+  look_at_reaction_modes(rhs_->reaction(), t, u, free_, everywhere, [&](int, int, std::span<const std::complex<double>> modes) {
+    if (modes.empty()) rate = std::numeric_limits<double>::infinity();
+    for (const std::complex<double>& lambda : modes) rate = std::max(rate, std::abs(lambda));
+    return true;
+  });
   rate = comm_->max(rate);
   if (std::isfinite(rate) && rate * dt > limit) refuse_step(t, dt, rate);
 }

@@ -6,8 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
+
+// g++ 12 warns inside Eigen's AVX-512 code; the matrices here are tiny.
+#ifndef EIGEN_DONT_VECTORIZE
+#define EIGEN_DONT_VECTORIZE
+#endif
+#include <Eigen/Eigenvalues>
 
 #include "stiffront/core/error.hpp"
 
@@ -81,54 +88,10 @@ void set(Field& u, double value) {
   for (int i = 0; i < u.n_x(); ++i) u.at(0, i) = value, u.at(1, i) = 0.0;
 }
 
-/// The largest modulus of the eigenvalues of a matrix [row][column]: roots of the characteristic polynomial (Faddeev & Le Verrier) by
-/// simultaneous iteration (Aberth 1973).
-double spectral_radius(const std::vector<std::vector<Complex>>& a) {
-  const std::size_t n = a.size();
-  if (n == 1) return std::abs(a[0][0]);
-  std::vector<Complex> c(n + 1);  // sum of c[k] x^(n - k)
-  c[0] = 1.0;
-  std::vector<std::vector<Complex>> b(n, std::vector<Complex>(n));
-  double size = 0.0;
-  for (const auto& row : a) {
-    for (const Complex& x : row) size = std::max(size, std::abs(x));
-  }
-  if (size == 0.0 || !std::isfinite(size)) return size;
-  for (std::size_t k = 1; k <= n; ++k) {
-    std::vector<std::vector<Complex>> product(n, std::vector<Complex>(n));
-    for (std::size_t i = 0; i < n; ++i) b[i][i] += c[k - 1];
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < n; ++j) {
-        for (std::size_t l = 0; l < n; ++l) product[i][j] += a[i][l] / size * b[l][j];
-      }
-    }
-    b = product;
-    for (std::size_t i = 0; i < n; ++i) c[k] -= b[i][i] / static_cast<double>(k);
-  }
-  std::vector<Complex> x(n);
-  for (std::size_t i = 0; i < n; ++i) x[i] = std::polar(0.7, 0.4 + 2.0 * M_PI * static_cast<double>(i) / static_cast<double>(n));
-  for (int pass = 0; pass < 200; ++pass) {
-    double moved = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      Complex p = c[0], derivative = 0.0;
-      for (std::size_t k = 1; k <= n; ++k) {
-        derivative = derivative * x[i] + p;
-        p = p * x[i] + c[k];
-      }
-      if (p == 0.0) continue;
-      Complex others = 0.0;
-      for (std::size_t j = 0; j < n; ++j) {
-        if (j != i && x[i] != x[j]) others += 1.0 / (x[i] - x[j]);
-      }
-      const Complex step = 1.0 / (derivative / p - others);
-      x[i] -= step;
-      moved = std::max(moved, std::abs(step));
-    }
-    if (moved < 1e-15) break;
-  }
-  double largest = 0.0;
-  for (const Complex& root : x) largest = std::max(largest, std::abs(root));
-  return size * largest;
+/// The largest modulus of an eigenvalue.
+double spectral_radius(const Eigen::MatrixXcd& a) {
+  if (!a.allFinite()) return std::numeric_limits<double>::infinity();
+  return Eigen::ComplexEigenSolver<Eigen::MatrixXcd>(a, false).eigenvalues().cwiseAbs().maxCoeff();
 }
 
 /// The first place along a way that is not stable. @param samples places in order; place: their z
@@ -183,7 +146,7 @@ std::vector<double> amplification(const SpectralDeferredCorrectionOptions& given
   const auto state_name = [](std::size_t i) { return fmt::format("history-state-{}", i); };
   const auto slope_name = [](std::size_t i) { return fmt::format("history-slope-{}", i); };
 
-  std::vector<std::vector<std::vector<Complex>>> matrices(z.size(), std::vector<std::vector<Complex>>(k, std::vector<Complex>(k)));
+  std::vector<Eigen::MatrixXcd> matrices(z.size(), Eigen::MatrixXcd(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)));
   for (std::size_t column = 0; column < k; ++column) {
     set(u, column == 0 ? 1.0 : 0.0);
     history.lists["has_slope"] = {0.0};
@@ -198,12 +161,12 @@ std::vector<double> amplification(const SpectralDeferredCorrectionOptions& given
       const Field& v = row == 0 ? u : history.fields.at(state_name(row));
       for (std::size_t i = 0; i < z.size(); ++i) {
         const auto x = static_cast<int>(i);
-        matrices[i][row][column] = {v.at(0, x), v.at(1, x)};
+        matrices[i](static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) = {v.at(0, x), v.at(1, x)};
       }
     }
   }
   std::vector<double> radii;
-  for (const auto& a : matrices) radii.push_back(spectral_radius(a));
+  for (const Eigen::MatrixXcd& a : matrices) radii.push_back(spectral_radius(a));
   return radii;
 }
 

@@ -23,17 +23,18 @@ StateNorm::StateNorm(const Decomposition& decomposition, const Boundary& boundar
   }
 }
 
-void StateNorm::add_difference(const Field& a, const Field& b, int slot, Agreement& agreement) const {
+/// Adds the squares of value(species, i, j, load) over the cells; load reads a pack of a row, at its end what is left of it.
+template <class Value>
+void StateNorm::add_squares(int slot, Agreement& agreement, Value&& value) const {
   for (std::size_t k = 0; k < species_.size(); ++k) {
     ReproducibleSum& sum = agreement.sums[static_cast<std::size_t>(slot) * species_.size() + k];
     for (int j = free_.j_begin; j < free_.j_end; ++j) {
-      const double* p = a.row(species_[k], j);
-      const double* q = b.row(species_[k], j);
       for_each_pack(free_.i_begin, free_.i_end, [&](int i, int n) {
-        const Pack d = Pack::load_partial(p + i, n) - Pack::load_partial(q + i, n);
         if (n == pack_size) {
+          const Pack d = value(species_[k], i, j, [](const double* p) { return Pack::load(p); });
           sum.add(d * d);
         } else {
+          const Pack d = value(species_[k], i, j, [n](const double* p) { return Pack::load_partial(p, n); });
           sum.add(d * d, Mask::first(n));
         }
       });
@@ -41,21 +42,18 @@ void StateNorm::add_difference(const Field& a, const Field& b, int slot, Agreeme
   }
 }
 
+void StateNorm::add_difference(const Field& a, const Field& b, int slot, Agreement& agreement) const {
+  add_squares(slot, agreement, [&](int species, int i, int j, auto load) __attribute__((always_inline)) {
+    return load(a.row(species, j) + i) - load(b.row(species, j) + i);
+  });
+}
+
 void StateNorm::add_combination(std::span<const Term> terms, int slot, Agreement& agreement) const {
-  for (std::size_t k = 0; k < species_.size(); ++k) {
-    ReproducibleSum& sum = agreement.sums[static_cast<std::size_t>(slot) * species_.size() + k];
-    for (int j = free_.j_begin; j < free_.j_end; ++j) {
-      for_each_pack(free_.i_begin, free_.i_end, [&](int i, int n) {
-        Pack d(0.0);
-        for (const Term& term : terms) d = mul_add(Pack(term.factor), Pack::load_partial(term.field->row(species_[k], j) + i, n), d);
-        if (n == pack_size) {
-          sum.add(d * d);
-        } else {
-          sum.add(d * d, Mask::first(n));
-        }
-      });
-    }
-  }
+  add_squares(slot, agreement, [&](int species, int i, int j, auto load) __attribute__((always_inline)) {
+    Pack sum(0.0);
+    for (const Term& term : terms) sum = mul_add(Pack(term.factor), load(term.field->row(species, j) + i), sum);
+    return sum;
+  });
 }
 
 void StateNorm::add_scale(const Field& u, Agreement& agreement) const {

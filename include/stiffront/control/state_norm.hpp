@@ -45,6 +45,9 @@ class StateNorm {
   double value(int slot, int k, const Agreement& agreement) const;
 
  private:
+  template <class Value>
+  void add_squares(int slot, Agreement& agreement, Value&& value) const;
+
   FreeBox free_;
   double points_;
   std::vector<int> species_;
