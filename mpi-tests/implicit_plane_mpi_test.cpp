@@ -5,30 +5,16 @@
 
 #include "stiffront/solvers/implicit_part.hpp"
 #include "stiffront/solvers/model_kernels.hpp"
+#include "support/coupled_model.hpp"
 #include "support/diffusion_problem.hpp"
 #include "support/grids.hpp"
 
 namespace stiffront {
 namespace {
 
+using testing::Coupled;
 using testing::scatter;
 using testing::Sides;
-
-struct Coupled {
-  static constexpr int n_species = 2;
-  static constexpr const char* name = "coupled";
-  static constexpr const char* source = "test";
-  static constexpr std::array<const char*, 2> species{"u", "v"};
-  static constexpr std::array<double, 2> diffusion{1.0, 1.0};
-  static constexpr std::array<Parameter<Coupled>, 0> parameters{};
-  static constexpr std::array<Profile<Coupled>, 0> profiles{};
-
-  template <class T, class P>
-  void rates(const T* u, T* du, const P&) const {
-    du[0] = u[0] * u[0] * 3.0 + u[1] * 20.0 - u[0];
-    du[1] = u[0] * 50.0 - u[1] * u[1] * 4000.0;
-  }
-};
 
 Field solution(const Decomposition& d, const Boundary& boundary, double tolerance) {
   const DiffusionOperator diffusion(d.grid(), boundary, {3.0, 0.4}, 2);

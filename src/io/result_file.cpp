@@ -69,7 +69,7 @@ void write_attributes(hid_t file, const StateHeader& header, const Boundary& bou
 /// Writes this rank's part of a dataset; every rank takes part, some perhaps with nothing to write.
 /// @return where its values are in the file
 seal::Extent write_part(hid_t file, const std::string& name, const std::vector<hsize_t>& extent, const std::vector<hsize_t>& offset,
-                const std::vector<hsize_t>& count, const double* values, bool takes_part) {
+                        const std::vector<hsize_t>& count, const double* values, bool takes_part) {
   const std::string what = fmt::format("cannot write the dataset '{}'", name);
   const hdf5::Handle space = hdf5::simple_space(extent);
   hdf5::Handle dataset(H5Dcreate2(file, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, what);

@@ -12,38 +12,13 @@
 #include "stiffront/control/evolve.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/mesh/field_algebra.hpp"
-#include "stiffront/solvers/model_registry.hpp"
-#include "stiffront/solvers/rock4.hpp"
+#include "support/split_brusselator.hpp"
 
 namespace stiffront {
 namespace {
 
-class PararealTest : public ::testing::Test {
+class PararealTest : public testing::SplitBrusselator {
  protected:
-  PararealTest()
-      : comm_(MPI_COMM_SELF),
-        decomposition_(comm_, Grid{1, {33, 1}}, {1, 1}, 1),
-        boundary_(Boundary::natural(decomposition_.grid())),
-        model_(make_model()),
-        diffusion_(decomposition_.grid(), boundary_, {0.05, 0.025}, 2),
-        rhs_(decomposition_, diffusion_, *model_),
-        reaction_(decomposition_, boundary_, model_->make_radau5({1e-13, {1e-13, 1e-13}})),
-        rock4_(decomposition_, diffusion_, {1e-13, {1e-13, 1e-13}}),
-        flows_{&reaction_, &rock4_},
-        u_(decomposition_, 2, 1) {
-    for (int i = 0; i < u_.n_x(); ++i) {
-      const double x = decomposition_.grid().position(0, i);
-      u_.at(0, i) = 1.0 + 0.5 * std::cos(M_PI * x);
-      u_.at(1, i) = 3.0 + 0.5 * std::cos(2 * M_PI * x);
-    }
-  }
-
-  static std::unique_ptr<ModelKernels> make_model() {
-    ModelRegistry registry;
-    register_builtin_models(registry);
-    return registry.make("brusselator", {{"A", 1.0}, {"B", 3.0}});
-  }
-
   void split(double t, double dt, int steps, Field& from, Field& to) {
     const Composition composition = lie(SplittingOrder::reaction_last);
     Work work;
@@ -53,24 +28,7 @@ class PararealTest : public ::testing::Test {
     }
   }
 
-  static double distance(const Field& a, const Field& b) {
-    double e = 0.0;
-    for (int s = 0; s < 2; ++s) {
-      for (int i = 0; i < a.n_x(); ++i) e = std::max(e, std::abs(a.at(s, i) - b.at(s, i)));
-    }
-    return e;
-  }
-
-  Communicator comm_;
-  Decomposition decomposition_;
-  Boundary boundary_;
-  std::unique_ptr<ModelKernels> model_;
-  DiffusionOperator diffusion_;
-  CoupledRhs rhs_;
-  ReactionFlow reaction_;
-  Rock4 rock4_;
-  SplitFlows flows_;
-  Field u_;
+  SplitFlows flows_{&reaction_, &rock4_};
 };
 
 TEST_F(PararealTest, ConvergesToTheFineSolution) {

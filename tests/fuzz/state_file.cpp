@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -14,7 +15,7 @@
 using namespace stiffront;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const std::string path = "/tmp/stiffront-fuzz-" + std::to_string(::getpid()) + ".h5";
+  static const std::string path = std::filesystem::temp_directory_path() / ("stiffront-fuzz-" + std::to_string(::getpid()) + ".h5");
   const std::string text(reinterpret_cast<const char*>(data), size);
   if (text.starts_with("\x89HDF")) return 0;
   std::ofstream(path, std::ios::binary) << text;

@@ -38,7 +38,7 @@ class Parareal {
   int last() const { return last_; }
   /// (50), from the initial state. @mpi collective over space and time.
   void predict(const Field& initial);
-  /// (51) once. @return largest change of this process's values relative to 1. @mpi collective over space and time.
+  /// (51) once. @return largest change of this process's values, in their units. @mpi collective over space and time.
   double iterate(const Fine& fine);
   /// The state at the left end of this group's interval j, counted from first(); j = last() - first() is the right end of the last.
   Field& state(int j) { return states_[static_cast<std::size_t>(j)]; }

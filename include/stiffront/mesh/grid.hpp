@@ -14,7 +14,6 @@ namespace stiffront {
 struct Grid {
   static constexpr double sub_cell_place = 0.2;  ///< in spacings from the side
 
-
   int dimension = 1;                          ///< 1 or 2
   std::array<std::int64_t, 2> points{1, 1};   ///< all points; second entry 1 in one dimension
   std::array<double, 2> lower{0.0, 0.0};
