@@ -276,7 +276,10 @@ double Sbdf::first_step(double t, double t_end, Field& u) {
   }
   comm_->agree(a);
   const double speed = norm(a.sums[0]);
-  const double h = speed > 0.0 ? 0.5 / speed : 1e-3 * (t_end - t);
+  // Species that begin at zero may change by far more than their tolerance in any step, though not by more than the step can
+  // follow: such a speed must not keep the step below what time resolves.
+  const double shortest = 100.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), t_end - t);
+  const double h = speed > 0.0 ? std::max(0.5 / speed, shortest) : 1e-3 * (t_end - t);
   return cap_step(1, std::min(h, t_end - t));
 }
 

@@ -70,14 +70,14 @@ struct Discharge {
   }
 
   /// Whether the field is on. A switching time belongs to what comes before it, as far as rounding goes: the last stage of a
-  /// step that ends there must see the rates of the step.
+  /// step that ends there must see the rates of the step. (Steps between restarts begin further behind it than that.)
   template <class Real>
   auto on(const Real& t, const Real& x) const {
     constexpr double nearest_integer = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds, subtracting it gives the integer
     const double half = 0.5 * pulse / period;
     const Real cycles = t / period - half;
     const Real from_middle = cycles - ((cycles + nearest_integer) - nearest_integer);
-    const Real rounding = (32.0 * std::numeric_limits<double>::epsilon()) * (1.0 + cycles);
+    const Real rounding = (2.0 * std::numeric_limits<double>::epsilon()) * (cycles + 3.0 * half);
     return (from_middle > rounding - half) && (from_middle <= rounding + half) && (x <= end_of_electrode());
   }
 
