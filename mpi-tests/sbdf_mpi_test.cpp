@@ -76,7 +76,7 @@ Outcome run(const DiffusionProblem& p, double tolerance, const std::vector<doubl
   options.max_sweeps = max_sweeps;
   Sbdf method(r.u, rhs, model, options);
   Progress progress;
-  Recorder recorder(r, max_sweeps == 1 ? 250 : 70);
+  Recorder recorder(r, max_sweeps == 1 ? 250 : 100);
   evolve(method, Schedule{}, r.u, progress, recorder);
   return r;
 }

@@ -46,7 +46,7 @@ Target next_target(const Schedule& s, double t) {
 /// A step between two jumps of the data must see neither of their other sides, and whether data written as t < b or t <= b jump before or
 /// behind b is not known: a step begins this much behind a jump and ends so much before the next, a few units in the last place of its time.
 double width_of_jump(const Schedule& s, double t) {
-  return 4.0 * std::numeric_limits<double>::epsilon() * std::max({std::abs(t), std::abs(s.start), s.restart_period});
+  return 6.0 * std::numeric_limits<double>::epsilon() * std::max({std::abs(t), std::abs(s.start), s.restart_period});
 }
 
 bool data_jump_at(const Schedule& s, double t) {

@@ -66,8 +66,9 @@ SbdfOptions checked(SbdfOptions o, int n_species) {
 }  // namespace
 
 double sbdf_step_tolerance(double relative_tolerance) {
+  constexpr double loosest = 3e-3;
   constexpr double loosest_scaled = 1e-3;
-  return relative_tolerance * std::min(1.0, std::pow(relative_tolerance / loosest_scaled, 0.2));
+  return std::min(relative_tolerance, loosest) * std::min(1.0, std::pow(relative_tolerance / loosest_scaled, 0.2));
 }
 
 Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfOptions options)

@@ -12,6 +12,7 @@
 #include "stiffront/control/sbdf_tables.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/model/builtin/bz.hpp"
+#include "stiffront/model/builtin/discharge.hpp"
 #include "stiffront/model/builtin/kpp.hpp"
 #include "stiffront/model/builtin/pulse.hpp"
 #include "stiffront/model/builtin/slaved_oscillator.hpp"
@@ -133,7 +134,7 @@ double fixed_step_error(Case<M>& c, int order, double start, double dt, int n, F
                         int max_sweeps = sbdf_max_sweeps) {
   SbdfOptions options;
   options.max_sweeps = max_sweeps;
-  options.relative_tolerance = 1e3;  // accepts whatever comes
+  options.absolute_tolerance = {1e9};  // accepts whatever comes
   Sbdf method(c.u, c.rhs, c.model, options);
   const auto set = [&](Field& f, double t) {
     for (int s = 0; s < f.n_species(); ++s) {
@@ -408,6 +409,34 @@ TEST(Sbdf, ASpeciesThatBeginsAtZeroDoesNotStopTheRun) {
   Case<SlavedOscillator> c(Grid{1, {51, 1}, {0.0, 0.0}, {20.0, 1.0}}, {0.1, 0.0, 0.0});
   c.u = c.problem.field([](int s, double x, double) { return s == 0 ? (x < 5.0 ? 1.0 : 0.0) : 0.0; });
   EXPECT_LT(c.run(1e-4, 0.5).accepted, 3000);
+}
+
+TEST(Sbdf, BeginsWhereTheFieldIsSwitchedOnAndSomeIonsAreNotThereYet) {
+  Case<Discharge> c(Grid{1, {101, 1}, {0.0, 0.0}, {0.05, 1.0}}, {50.0, 50.0, 50.0});
+  c.model.initialise("discharge-seed", c.u);
+  SbdfOptions options;
+  options.relative_tolerance = 1e-3;
+  options.absolute_tolerance = {1e-5};
+  Schedule schedule;
+  schedule.end = 1.2e-6;
+  schedule.breakpoints = {1e-8, 1.01e-6};
+  schedule.restart_period = 1e-6;
+  schedule.restart_step = 1e-10;
+  const Progress p = c.run(options, schedule);
+  EXPECT_LT(p.accepted, 1000);
+  EXPECT_LT(20 * p.rejected, p.accepted);
+  EXPECT_GT(c.u.at(2, 0), 1e10) << "negative ions";
+}
+
+TEST(Sbdf, AskedForAlmostNoAccuracyStaysWhereTheMediumIsStable) {
+  Case<Bz> c(unit_grid(97, 97), {2.5e-3, 2.5e-3, 1.5e-3});
+  c.model.initialise("bz-spiral", c.u);
+  SbdfOptions options;
+  options.relative_tolerance = 0.1;
+  options.absolute_tolerance = {1e-3};
+  Schedule schedule;
+  schedule.end = 0.4;
+  EXPECT_LT(c.run(options, schedule).accepted, 1000);
 }
 
 TEST(Sbdf, OptionsOutOfRangeAreRefused) {

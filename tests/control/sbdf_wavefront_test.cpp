@@ -31,7 +31,7 @@ class Count final : public Observer {
     ++outcome_->steps;
     outcome_->sweeps += r.attempt.work.sweeps;
   }
-  bool carry_on(std::uint64_t, std::int64_t step, double, double, Field&) override { return step < 80; }
+  bool carry_on(std::uint64_t, std::int64_t step, double, double, Field&) override { return step < 120; }
 
  private:
   Outcome* outcome_;
@@ -62,7 +62,7 @@ TEST(SbdfWavefront, BitsDoNotDependOnTheDepth) {
     const bool periodic = kind == BoundaryKind::periodic;
     for (int order : {2, 4}) {
       const DiffusionProblem p(self, unit_grid(21, 70, periodic, periodic),
-                               {both_sides(kind, 3), both_sides(kind, 3)}, {50.0, 50.0, 30.0}, order);
+                               {both_sides(kind, 3), both_sides(kind, 3)}, {200.0, 200.0, 120.0}, order);
       const Outcome expected = run(p, 1);
       EXPECT_GT(expected.sweeps, 3 * expected.steps) << "steps of many sweeps are tested";
       for (int depth : {0, 2, 3, 5, 16}) {

@@ -34,7 +34,8 @@ struct SbdfOptions {
 ///
 /// Tighter tolerances mean more steps, whose errors add up: the error of a run falls with the 5/6th power of that of a
 /// step at order 5, and somewhat slower where the order rises too. Below 1e-3 the tolerance of a step is less by a fifth
-/// power of what is asked for, which makes the errors of runs fall with the tolerance.
+/// power of what is asked for, which makes the errors of runs fall with the tolerance. That of a step is 3e-3 at most: with 1e-2
+/// an excitable medium may turn negative by enough to be unstable there (bz does so on coarse grids).
 double sbdf_step_tolerance(double relative_tolerance);
 
 /// Backward differentiation of variable order 1..5 and variable step for u' = D Laplacian(u) + rates(t, u), solved by

@@ -77,7 +77,7 @@ struct Discharge {
     const double half = 0.5 * pulse / period;
     const Real cycles = t / period - half;
     const Real from_middle = cycles - ((cycles + nearest_integer) - nearest_integer);
-    const Real rounding = (2.0 * std::numeric_limits<double>::epsilon()) * (cycles + 3.0 * half);
+    const Real rounding = (4.0 * std::numeric_limits<double>::epsilon()) * (cycles + 3.0 * half);
     return (from_middle > rounding - half) && (from_middle <= rounding + half) && (x <= end_of_electrode());
   }
 
