@@ -1,15 +1,17 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """The numbers of Descombes, Duarte, Dumont, Louvet & Massot, Confluentes Math. 3(3), 2011, measured with this program.
 
-    drivers/reproduce/adaptive_strang.py [kpp] [bz-local] [bz-tables] [discharge] [--program build/stiffront] [--out out/adaptive-strang]
+    drivers/reproduce/adaptive_strang.py [ITEM ...] [--program build/release/stiffront] [--out out/adaptive-strang]
 
 kpp        Table 1 and Figs 1, 2: local errors, critical steps measured and predicted
 bz-local   Figs 3, 4: local errors of a BZ wave, their estimates and the predicted error of Strang splitting
-bz-tables  Tables 2, 3 and Figs 5, 6: final errors without and with the critical step (minutes; 1e-8 takes an hour: --finest)
-discharge  Figs 7, 8: ten pulses, steps and errors
+bz-tables  Tables 2, 3 and Figs 5, 6: steps and final errors without and with the critical step (minutes; 1e-8 takes an hour: --finest)
+discharge  Figs 7, 8: ten pulses, densities, steps and errors
+variants   other models, parameters and dimensions: the error at the end, measured and estimated
 
-What the numbers should be is in docs/adaptive-strang.md. Needs numpy and h5py.
+Every item prints its numbers, and leaves them as ITEM.json and pictures as ITEM-*.png in the folder --out. What they should be is in
+docs/adaptive-strang.md. Needs numpy, h5py and matplotlib (Debian: python3-h5py python3-matplotlib).
 """
 import argparse
 import csv
@@ -21,6 +23,8 @@ import subprocess
 
 import h5py
 import numpy as np
+
+import adaptive_strang_pictures as pictures
 
 TIGHT = ["reaction_solver.tolerance=1e-13", "diffusion_solver.tolerance=1e-13"]
 QUIET = ["output.checkpoint.every_seconds=0", "output.every=0", "limits.stall_limit_s=0"]
@@ -59,10 +63,22 @@ class Program:
         row = history(folder)[0]
         return row["error"], row["critical_dt"]
 
+    def keep(self, item, numbers):
+        """Leaves the numbers of an item and draws them."""
+        with open(os.path.join(self.out, item + ".json"), "w") as f:
+            json.dump(numbers, f, indent=1)
+        for path in pictures.draw(item, numbers, self.out):
+            print("drawn:", path)
+
 
 def history(folder):
     with open(os.path.join(folder, "history.csv")) as f:
         return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(f)]
+
+
+def summary(folder):
+    with open(os.path.join(folder, "summary.json")) as f:
+        return json.load(f)
 
 
 def states(folder):
@@ -79,35 +95,50 @@ def rms_over_max(u, reference):
     return {s: math.sqrt(np.mean((u[s] - reference[s]) ** 2)) / np.abs(reference[s]).max() for s in reference}
 
 
+def worst_rms_over_max(u, reference):
+    return max(rms_over_max(u, reference).values())
+
+
 def l2_over_l2(u, reference):
     return max(np.linalg.norm(u[s] - reference[s]) / np.linalg.norm(reference[s]) for s in reference)
 
 
 def kpp(program):
     predicted = 7.106871831e-2 / 3.209621819e-3  # M1/M2, tests/control/travelling_wave_test.cpp
+    l2 = math.sqrt(5001 * 0.028)
+    shifts = (0.05, 0.005, 0.0005)
+    numbers = {"critical": [], "local": []}
     for k in (1, 10, 100):
         medium = [f"model.parameters.k={k}.0", f"model.diffusion.u={1.0 / k}"]
 
-        def ratio(dt, epsilon):
+        def errors(dt, epsilon):
             strang = program.strang_errors("kpp-1d", "kpp", [dt], *medium)[0]
-            distance, estimate = program.one_step("kpp-1d", "kpp", dt, epsilon, 0.0, *medium)
-            return math.log(strang / distance), strang, distance, estimate
+            return (strang, *program.one_step("kpp-1d", "kpp", dt, epsilon, 0.0, *medium))
 
-        for epsilon in (0.05, 0.005, 0.0005):
+        def ratio(dt, epsilon):
+            strang, distance, _ = errors(dt, epsilon)
+            return math.log(strang / distance)
+
+        for epsilon in shifts:
             a = epsilon * predicted / k
-            fa = ratio(a, epsilon)[0]
+            fa = ratio(a, epsilon)
             b = 1.2 * a
             for _ in range(6):  # secant in the logarithms
-                fb = ratio(b, epsilon)[0]
+                fb = ratio(b, epsilon)
                 if abs(fb) < 1e-4 or fb == fa:
                     break
                 a, b, fa = b, b * math.exp(max(-1.0, min(1.0, -fb * math.log(b / a) / (fb - fa)))), fb
             print(f"kpp k={k} eps={epsilon}: dt* measured {b:.5g}, predicted {epsilon * predicted / k:.6g}", flush=True)
-        l2 = math.sqrt(5001 * 0.028)
-        for dt in (0.01 / k, 0.1 / k, 1.0 / k):
-            _, strang, distance, estimate = ratio(dt, 0.05)
-            print(f"kpp k={k} dt={dt:g}: L2 errors: strang {strang * l2:.5g}, estimate (eps=0.05) {distance * l2:.5g}, "
-                  f"dt* estimated there {estimate:.5g}", flush=True)
+            numbers["critical"].append({"k": k, "epsilon": epsilon, "measured": b, "predicted": epsilon * predicted / k})
+        for dt in (1e-3 / k, 1e-2 / k, 0.1 / k, 0.3 / k, 1.0 / k, 3.0 / k):
+            strang, distances = None, {}
+            for epsilon in shifts:
+                strang, distances[str(epsilon)], estimate = errors(dt, epsilon)
+                distances[str(epsilon)] *= l2
+                print(f"kpp k={k} dt={dt:g}: L2 errors: strang {strang * l2:.5g}, estimate (eps={epsilon}) {distances[str(epsilon)]:.5g}, "
+                      f"dt* estimated there {estimate:.5g}", flush=True)
+            numbers["local"].append({"k": k, "dt": dt, "strang": strang * l2, "distance": distances})
+    program.keep("kpp", numbers)
 
 
 def bz_start(program, time):
@@ -119,6 +150,7 @@ def bz_start(program, time):
 
 def bz_local(program):
     start = ["initial={file=\"" + bz_start(program, 0.4) + "\"}", "time.start=0.4", "time.end=0.5"]
+    numbers = []
     for dt in (1e-6, 1e-5, 1e-4, 2e-4, 5e-4, 1e-3):
         strang = program.strang_errors("bz-1d-long", "bz-local", [dt], *start)[0]
         distance, critical = program.one_step("bz-1d-long", "bz-local", dt, 0.05, 0.4, start[0])
@@ -126,28 +158,45 @@ def bz_local(program):
         predicted = 0.05 * c_eps / critical * dt**3
         print(f"bz dt={dt:g}: strang {strang:.4g}, estimate {distance:.4g}, C0 {strang / dt**3:.4g}, Ceps {c_eps:.4g}, "
               f"predicted strang/true {predicted / strang:.4g}, dt* {critical:.4g}", flush=True)
+        numbers.append({"dt": dt, "strang": strang, "distance": distance, "c0": strang / dt**3, "c_epsilon": c_eps,
+                        "predicted": predicted, "critical": critical})
+    program.keep("bz-local", numbers)
 
 
 def bz_tables(program, finest):
     start = ["initial={file=\"" + bz_start(program, 0.2) + "\"}", "time.start=0.2", "time.end=2.2"]
     cvode = 'method={name="cvode", relative_tolerance=1e-11, absolute_tolerance=1e-13, linear_solver="band"}'
     reference = states(program.run("bz-1d-long", "bz-reference", cvode, *start))[-1][1]
+    numbers = []
     for eta in ("1e-4", "1e-6") + (("1e-8",) if finest else ()):
         for critical in ("false", "true"):
             method = f'method={{name="adaptive-strang", tolerance={eta}, critical_step={critical}}}'
             folder = program.run("bz-1d-long", "bz-run", method, *start)
             errors = rms_over_max(states(folder)[-1][1], reference)
-            rows = [r for r in history(folder) if r["accepted"] == 1]
+            rows = history(folder)
+            taken = [r for r in rows if r["accepted"] == 1]
             text = " ".join(f"{errors[s]:.3g}" for s in "abc")
-            print(f"bz eta={eta} critical step {critical}: final errors {text}, {len(rows)} steps, last dt {rows[-2]['dt']:.3g}, "
-                  f"epsilon {rows[-1]['epsilon']:.4g}, dt* {rows[-1]['critical_dt']:.3g}", flush=True)
+            estimate = summary(folder).get("final_error")
+            print(f"bz eta={eta} critical step {critical}: final errors {text}, estimated {estimate}, {len(taken)} steps, "
+                  f"{len(rows) - len(taken)} rejected, last dt {taken[-2]['dt']:.3g}, epsilon {taken[-1]['epsilon']:.4g}, "
+                  f"dt* {taken[-1]['critical_dt']:.3g}", flush=True)
+            every = max(1, len(taken) // 1000)
+            numbers.append({"eta": float(eta), "critical_step": critical == "true", "errors": errors, "estimate": estimate,
+                            "steps": len(taken), "rejected": len(rows) - len(taken), "epsilon": taken[-1]["epsilon"],
+                            "history": [{k: r[k] for k in ("time", "dt", "error", "critical_dt")} for r in taken[:50] + taken[50:-1:every]]})
+    program.keep("bz-tables", numbers)
 
 
 def discharge(program):
     cvode = 'method={name="cvode", relative_tolerance=1e-10, absolute_tolerance=1e-2, linear_solver="band"}'
     reference = states(program.run("discharge-1d", "discharge-reference", cvode))
-    for t, u, _ in reference:
-        print(f"discharge t={t:.3g}: max ne {u['ne'].max():.8g}, np {u['np'].max():.8g}, nn {u['nn'].max():.8g}", flush=True)
+    numbers = {"reference": [], "runs": []}
+    for t, u, path in reference:
+        largest = {s: float(u[s].max()) for s in ("ne", "np", "nn")}
+        print(f"discharge t={t:.3g}: max " + ", ".join(f"{s} {v:.8g}" for s, v in largest.items()), flush=True)
+        with h5py.File(path) as f:
+            x = np.ravel(f["x"][...])
+        numbers["reference"].append({"time": t, "largest": largest, "x": x[:120].tolist(), "ne": np.ravel(u["ne"])[:120].tolist()})
     for eta in ("1e-2", "1e-3", "1e-4"):
         for critical in ("false", "true"):
             method = f'method={{name="adaptive-strang", tolerance={eta}, critical_step={critical}, initial_step=1e-10}}'
@@ -155,24 +204,113 @@ def discharge(program):
             errors = [l2_over_l2(u, r) for (_, u, _), (_, r, _) in zip(states(folder)[1:], reference[1:])]
             print(f"discharge eta={eta} critical step {critical}: errors L2/L2", " ".join(f"{e:.2g}" for e in errors), flush=True)
             rows = history(folder)
+            periods = []
             for k in range(10):
                 for phase, begin, end in (("pulse", 0.0, 1e-8), ("post", 1e-8, 1e-6)):
                     here = [r for r in rows if k * 1e-6 + begin - 1e-12 < r["time"] < k * 1e-6 + end - 1e-12]
                     taken = [r["dt"] for r in here if r["accepted"] == 1]
                     print(f"  period {k} {phase}: {len(taken)} steps, {len(here) - len(taken)} rejected, dt {min(taken):.2g} .. "
                           f"{max(taken):.2g}, epsilon {here[-1]['epsilon']:.3g}, dt* {here[-1]['critical_dt']:.3g}")
+                    periods.append({"period": k, "phase": phase, "steps": len(taken), "rejected": len(here) - len(taken),
+                                    "least": min(taken), "largest": max(taken)})
+            numbers["runs"].append({"eta": float(eta), "critical_step": critical == "true", "errors": errors, "periods": periods,
+                                    "history": [{k: r[k] for k in ("time", "dt", "error", "critical_dt", "accepted")} for r in rows]})
+    program.keep("discharge", numbers)
+
+
+def custom(reaction, diffusion, initial, half_width, points, end):
+    return f"""[grid]
+points = [{points}]
+lower = [{-half_width}]
+upper = [{half_width}]
+[model]
+name = "custom"
+species = ["u"]
+diffusion = {{ u = {diffusion} }}
+[model.reaction]
+u = "{reaction}"
+[initial]
+u = "{initial}"
+[time]
+end = {end}
+[method]
+name = "adaptive-strang"
+"""
+
+
+VARIANTS = {  # a case, or the text of one, and what is changed
+    "KPP, k = 0.5": ("kpp-1d", ["model.parameters.k=0.5", "model.diffusion.u=2.0", "grid.points=[2001]"]),
+    "KPP, k = 3": ("kpp-1d", ["model.parameters.k=3.0", "grid.points=[2001]", "time.end=15.0"]),
+    "KPP, k = 10": ("kpp-1d", ["model.parameters.k=10.0", "model.diffusion.u=0.1"]),
+    "KPP, k = 30": ("kpp-1d", ["model.parameters.k=30.0", "model.diffusion.u=0.0333333333333", "grid.lower=[-20.0]", "grid.upper=[20.0]",
+                               "time.end=5.0"]),
+    "10 u (1 - u)(u - 1/4)": (custom("10*u*(1-u)*(u-0.25)", 1.0, "1/(1+exp(sqrt(5)*(x+10)))", 30, 1501, 20), []),
+    "10 u (1 - u)": (custom("10*u*(1-u)", 0.1, "1/(1+exp(10/sqrt(6)*(x+10)))^2", 30, 1501, 10), []),
+    "5 u^3 (1 - u)": (custom("5*u^3*(1-u)", 1.0, "1/(1+exp(x+20))", 40, 1601, 30), []),
+    "30 u (1 - u) exp(5 u - 5)": (custom("30*u*(1-u)*exp(-5*(1-u))", 0.5, "1/(1+exp(4*(x+10)))", 20, 1601, 10), []),
+    "BZ, f = 1.6": ("bz-1d", []),
+    "BZ, f = 2": ("bz-1d", ["model.parameters.f=2.0", "time.end=0.6"]),
+    "BZ, f = 1.8, q = 1e-3": ("bz-1d", ["model.parameters.f=1.8", "model.parameters.q=1e-3", "time.end=0.6"]),
+    "BZ in two variables": ("bz2-1d", []),
+    "BZ in two variables, f = 2.5, q = 1e-3": ("bz2-1d", ["model.parameters.f=2.5", "model.parameters.q=1e-3"]),
+    "BZ spiral in 2-D": ("bz-2d-spiral", ["grid.points=[48,48]", "time.end=0.2"]),
+    "FitzHugh-Nagumo": ("fhn-1d", []),
+    "FitzHugh-Nagumo, a = 0.2": ("fhn-1d", ["model.parameters.a=0.2", "time.end=3.0"]),
+    "Brusselator": ("brusselator-1d", []),
+    "Brusselator, B = 3.4": ("brusselator-1d", ["model.parameters.B=3.4"]),
+    "Brusselator, stiff": ("brusselator-stiff-1d", []),
+    "Brusselator in 2-D": ("brusselator-2d", ["grid.points=[48,48]"]),
+    "flame": ("flame-1d", []),
+    "thermal explosion": ("ignition-1d", []),
+    "lambda-omega": ("lambda-omega-1d", []),
+    "switched source": ("pulse-1d", []),
+    "switched source, other times": ("pulse-1d", ["model.parameters.on=0.17", "model.parameters.off=0.41", "time.breakpoints=[0.17,0.41]"]),
+    "angiogenesis": ("angiogenesis-1d", []),
+    "Gray-Scott pulses": ("gray-scott-1d", ["time.end=200.0"]),
+}
+
+
+def variants(program, only):
+    numbers = []
+    for name, (case, changes) in VARIANTS.items():
+        if only and only not in name:
+            continue
+        if "\n" in case:
+            path = os.path.join(program.out, "variant.toml")
+            with open(path, "w") as f:
+                f.write(case)
+            case = path
+        solver = "gmres" if "2-D" in name else "band"
+        cvode = f'method={{name="cvode", relative_tolerance=1e-10, absolute_tolerance=1e-12, linear_solver="{solver}"}}'
+        reference = states(program.run(case, "variant-reference", cvode, *changes))[-1][1]
+        for eta in (1e-4, 1e-5, 1e-6):
+            row = {"variant": name, "eta": eta}
+            for kind, key in (("kept", ""), ("free", ", final_error=0")):
+                folder = program.run(case, "variant", f'method={{name="adaptive-strang", tolerance={eta}{key}}}', *changes)
+                end = summary(folder)
+                row[kind] = worst_rms_over_max(states(folder)[-1][1], reference) / eta
+                row[kind + "_steps"] = end["steps"]["accepted"]
+                if kind == "kept":
+                    row["estimate"] = end["final_error"] / eta if "final_error" in end else None
+            print(f"{name}, eta {eta:g}: error {row['kept']:.2f} eta, estimated {row['estimate']:.2f}, {row['kept_steps']} steps; "
+                  f"final_error=0: {row['free']:.2f} eta, {row['free_steps']} steps", flush=True)
+            numbers.append(row)
+    program.keep("variants", numbers)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("items", nargs="*", metavar="ITEM", help="kpp, bz-local, bz-tables, discharge; none: all")
-    parser.add_argument("--program", default="build/stiffront")
+    parser.add_argument("items", nargs="*", metavar="ITEM", help="kpp, bz-local, bz-tables, discharge, variants; none: all")
+    parser.add_argument("--program", default="build/release/stiffront")
     parser.add_argument("--out", default="out/adaptive-strang")
     parser.add_argument("--finest", action="store_true", help="bz-tables: also 1e-8")
+    parser.add_argument("--only", default="", help="variants: those with this in their name")
     options = parser.parse_args()
+    os.makedirs(options.out, exist_ok=True)
     program = Program(options.program, options.out)
     items = {"kpp": lambda: kpp(program), "bz-local": lambda: bz_local(program),
-             "bz-tables": lambda: bz_tables(program, options.finest), "discharge": lambda: discharge(program)}
+             "bz-tables": lambda: bz_tables(program, options.finest), "discharge": lambda: discharge(program),
+             "variants": lambda: variants(program, options.only)}
     for item in options.items or items:
         if item not in items:
             parser.error(f"unknown item {item}")

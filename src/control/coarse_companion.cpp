@@ -10,7 +10,9 @@ namespace stiffront {
 namespace {
 
 constexpr double felt_from = 0.1;        // of the budget, or
-constexpr double share_felt_from = 0.5;  // of the budget's share of the time so far
+constexpr double share_felt_from = 0.5;  // of the budget's share of the time so far; but
+constexpr double early_felt_from = 0.4;  // of the budget, and no rate is believed,
+constexpr double early = 0.002;          // of the time: profiles adjust to the splitting, which is not the beginning of a drift
 constexpr double least_rest = 0.1;       // of the budget: what is left to spend is never taken to be less
 constexpr double least_time = 0.1;       // of the whole: the time left is never taken to be less, so that the end does not bring large steps
 constexpr double mark_every = 0.1;       // of the time so far
@@ -77,7 +79,8 @@ bool CoarseCompanion::catch_up(double t, Work& work) {
 
 double CoarseCompanion::limit_from(double rate) const {
   const double whole = t_end_ - t_begin_;
-  const double felt = budget_ * std::max(felt_from, share_felt_from * (t_ - t_begin_) / whole);
+  const double share = (t_ - t_begin_) / whole;
+  const double felt = budget_ * (share < early ? early_felt_from : std::max(felt_from, share_felt_from * share));
   if (!(error_ > felt && rate > 0.0)) return std::numeric_limits<double>::infinity();
   const double rest = std::max(budget_ - error_, least_rest * budget_);
   return std::sqrt(rest / std::max(t_end_ - t_, least_time * whole) / rate);
@@ -91,7 +94,7 @@ void CoarseCompanion::learn(double difference, bool all_well, double c0) {
   error_ = difference / (std::max(coarse_cubes_ / fine_cubes_, least_ratio) - 1.0);
   const double growth_seen = (error_ - marks_[0].error) / (fine_cubes_ - marks_[0].cubes);
   const double limit = limit_from(c0 > 0.0 ? std::min(growth_seen, c0) : growth_seen);
-  const double reach = (limited_ ? growth : early_growth) * limit_;
+  const double reach = std::min((limited_ ? growth : early_growth) * limit_, t_end_ - t_begin_);
   if (limit < reach) limited_ = true;
   limit_ = std::min(limit, reach);
   if (t_ - marked_at_ >= mark_every * (t_ - t_begin_)) {

@@ -22,6 +22,8 @@ namespace stiffront {
 ///  - Once the error is above a tenth of the budget (later: above half of the budget's share of the time), what is left of the budget must
 ///    suffice for the rest of the run at the rate, per sum of h^3, at which the error has grown lately. That rate is never taken to be more than
 ///    that of local errors that all add up: growth of old errors is not a matter of the step.
+///  - In the first 1/500 of the run the error has to be above two fifths of the budget for that. There profiles adjust to the splitting: an error
+///    of stiff waves that depends on the step alone, is made within a few steps and then stays would be taken for the beginning of a drift.
 class CoarseCompanion {
  public:
   /// @param budget final error to be kept, in the norm of the differences given to learn().
