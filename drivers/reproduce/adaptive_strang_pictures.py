@@ -61,31 +61,39 @@ def bz_local(numbers, out):
     return [save(figure, out, "bz-local-errors.png")]
 
 
-def bz_tables(numbers, out):
-    """Figs 5, 6: steps without and with the critical step, and the errors of Tables 2, 3."""
-    figure, panels = plt.subplots(1, 3, figsize=(15, 4.8))
-    for axes, critical in zip(panels, (False, True)):
-        for colour, run in zip(COLOURS, [r for r in numbers if r["critical_step"] == critical]):
-            time = [h["time"] for h in run["history"]]
-            axes.plot(time, [h["dt"] for h in run["history"]], color=colour, label=f"step, eta = {run['eta']:g}")
-            if critical:
-                axes.plot(time, [h["critical_dt"] for h in run["history"]], ":", color=colour, label=f"dt*, eta = {run['eta']:g}")
-        axes.set_yscale("log")
-        axes.set_xlabel("time")
-        axes.set_ylabel("step")
-        axes.set_title("BZ, " + ("with" if critical else "without") + " the critical step")
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize=8)
-    axes = panels[2]
-    for colour, critical in zip(COLOURS, (False, True)):
-        runs = [r for r in numbers if r["critical_step"] == critical]
-        for marker, species in zip("osd", "abc"):
-            axes.plot([r["eta"] for r in runs], [r["errors"][species] for r in runs], marker + "--", color=colour,
-                      label=f"{species}, {'with' if critical else 'without'} dt*")
-    etas = sorted({r["eta"] for r in numbers})
-    axes.plot(etas, etas, color=STRANG, lw=0.8, label="eta")
-    loglog(axes, "eta", "error at the end", "BZ, Tables 2 and 3")
+def over_time(axes, title, y_label):
+    axes.set_yscale("log")
+    axes.set_xlabel("time")
+    axes.set_ylabel(y_label)
+    axes.set_title(title)
+    axes.grid(alpha=0.3)
     axes.legend(fontsize=8)
+
+
+def bz_tables(numbers, out):
+    """Figs 5, 6: steps and estimated errors without and with the critical step; the errors of Tables 2, 3."""
+    figure, panels = plt.subplots(2, 3, figsize=(15, 9))
+    for row, kind, title in zip(panels, ("Table 2", "Table 3"), ("without", "with")):
+        for colour, run in zip(COLOURS, [r for r in numbers if r["kind"] == kind]):
+            time = [h["time"] for h in run["history"]]
+            row[0].plot(time, [h["dt"] for h in run["history"]], color=colour, label=f"step, eta = {run['eta']:g}")
+            if kind == "Table 3":
+                row[0].plot(time, [h["critical_dt"] for h in run["history"]], ":", color=colour, label=f"dt*, eta = {run['eta']:g}")
+            row[1].plot(time, [h["error"] for h in run["history"]], color=colour, label=f"estimate, eta = {run['eta']:g}")
+            row[1].axhline(run["eta"], color=colour, lw=0.8, ls=":")
+        over_time(row[0], f"BZ, {title} the critical step", "step")
+        over_time(row[1], f"BZ, {title} the critical step; dotted: eta", "estimated local error")
+    etas = sorted({r["eta"] for r in numbers})
+    for axes, kinds, title in ((panels[0][2], ("Table 2", "Table 3"), "BZ, Tables 2 and 3"),
+                               (panels[1][2], ("Table 3", "default"), "BZ, with the limit for the error at the end")):
+        for colour, kind in zip(COLOURS, kinds):
+            runs = [r for r in numbers if r["kind"] == kind]
+            for marker, species in zip("osd", "abc"):
+                axes.plot([r["eta"] for r in runs], [r["errors"][species] for r in runs], marker + "--", color=colour, mfc="none",
+                          label=f"{species}, {kind}")
+        axes.plot(etas, etas, color=STRANG, lw=0.8, label="eta")
+        loglog(axes, "eta", "error at the end", title)
+        axes.legend(fontsize=8)
     return [save(figure, out, "bz-tables-steps.png")]
 
 
@@ -93,14 +101,9 @@ def discharge(numbers, out):
     """Figs 7, 8."""
     figure, panels = plt.subplots(1, 2, figsize=(11, 4.8), sharey=True)
     for state in numbers["reference"]:
-        phase = (state["time"] * 1e6) % 1.0
-        ends_pulse = 0.005 < phase < 0.5
-        if state["time"] == 0.0 or round(state["time"] * 1e6) in (5, 6):
-            continue
-        period = int(state["time"] * 1e6 + 1e-6) - (0 if ends_pulse else 1)
-        axes = panels[0] if ends_pulse else panels[1]
-        axes.plot(state["x"], state["ne"], label=f"period {period}")
-    for axes, title in zip(panels, ("end of the pulse", "end of the period")):
+        after = 0.005 < (state["time"] * 1e6) % 1.0 < 0.5
+        panels[1 if after else 0].plot(state["x"], state["ne"], label=f"{state['time'] * 1e6:.4g} us")
+    for axes, title in zip(panels, ("before pulses", "after pulses")):
         axes.set_yscale("log")
         axes.set_xlabel("x (cm)")
         axes.set_ylabel("electron density (cm^-3)")
@@ -109,31 +112,24 @@ def discharge(numbers, out):
         axes.legend(fontsize=8)
     paths = [save(figure, out, "discharge-densities.png")]
 
-    run = next(r for r in numbers["runs"] if r["critical_step"] and r["eta"] == 1e-3)
+    run = next(r for r in numbers["runs"] if r["kind"] == "full strategy" and r["eta"] == 1e-3)
     figure, panels = plt.subplots(2, 2, figsize=(12, 8))
-    for axes, (low, high, title) in zip(panels.flat, ((0.0, 1e-5, "ten periods"), (3e-6, 4e-6, "the fourth period"),
-                                                      (3e-6, 3.01e-6, "its pulse"))):
+    for axes, (low, high, title) in zip(panels.flat, ((0.0, 10.0, "ten periods"), (5.0, 5.01, "a pulse"), (5.01, 6.0, "after it"))):
         for accepted, colour, label in ((1, COLOURS[0], "accepted"), (0, COLOURS[1], "rejected")):
-            here = [h for h in run["history"] if low - 1e-13 <= h["time"] <= high and h["accepted"] == accepted]
-            axes.plot([h["time"] for h in here], [h["dt"] for h in here], "o", ms=3, color=colour, label=label)
-        here = [h for h in run["history"] if low - 1e-13 <= h["time"] <= high and h["critical_dt"] < 1e-5]
-        axes.plot([h["time"] for h in here], [h["critical_dt"] for h in here], ".", ms=2, color=COLOURS[2], label="dt*")
-        axes.set_yscale("log")
-        axes.set_xlabel("time (s)")
-        axes.set_ylabel("step (s)")
-        axes.set_title(f"Discharge, eta = 1e-3: {title}")
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize=8)
+            here = [h for h in run["history"] if low - 1e-7 <= h["time"] * 1e6 < high - 1e-7 and h["accepted"] == accepted]
+            axes.plot([h["time"] * 1e6 for h in here], [h["dt"] for h in here], "o", ms=3, color=colour, label=label)
+        here = [h for h in run["history"] if low - 1e-7 <= h["time"] * 1e6 < high - 1e-7 and h["critical_dt"] < 1e-5]
+        axes.plot([h["time"] * 1e6 for h in here], [h["critical_dt"] for h in here], ".", ms=2, color=COLOURS[2], label="dt*")
+        over_time(axes, f"Discharge, eta = 1e-3: {title}", "step (s)")
+        axes.set_xlabel("time (us)")
     axes = panels[1, 1]
-    for colour, critical in zip(COLOURS, (False, True)):
-        for marker, r in zip("osd", [r for r in numbers["runs"] if r["critical_step"] == critical]):
-            axes.plot([s["time"] for s in numbers["reference"][1:]], r["errors"], marker + "--", color=colour,
-                      label=f"eta = {r['eta']:g}, {'full strategy' if critical else 'eps = 0.05'}")
-    axes.set_yscale("log")
-    axes.set_xlabel("time (s)")
-    axes.set_ylabel("error, L2/L2, worst species")
-    axes.set_title("Discharge: errors at ends of pulses and periods")
-    axes.grid(alpha=0.3)
+    times = [s["time"] * 1e6 for s in numbers["reference"][1:]]
+    for colour, kind in zip(COLOURS, ("eps = 0.05", "full strategy", "default")):
+        runs = [r for r in numbers["runs"] if r["kind"] == kind]
+        for style, time in (("o-", 5.01), ("s--", 6.0)):
+            at = min(range(len(times)), key=lambda i, t=time: abs(times[i] - t))
+            axes.plot([r["eta"] for r in runs], [r["errors"][at] for r in runs], style, color=colour, label=f"{kind}, {time} us")
+    loglog(axes, "eta", "error, L2/L2, worst species", "Discharge: errors after and before a pulse")
     axes.legend(fontsize=8)
     paths.append(save(figure, out, "discharge-steps.png"))
     return paths
