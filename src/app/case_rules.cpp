@@ -62,6 +62,8 @@ class Completion {
     initial();
     time();
     std::visit([this](auto& options) { method(options); }, c_.method);
+    transport();
+    textbook_solvers();
     output();
     if (c_.converge) converge(*c_.converge);
   }
@@ -450,8 +452,17 @@ class Completion {
     if (o.starting_order && *o.starting_order > o.node_count - (lobatto ? 1 : 0)) {
       expected("method.starting_order", fmt::format("an integer {} node_count = {}", lobatto ? "below" : "up to", o.node_count));
     }
-    if (o.gamma_advection != 0.0) fail("method.gamma_advection", "expected 0: no model has first derivatives");
+    if (o.gamma_advection != 0.0) {
+      if (!has_transport()) fail("method.gamma_advection", "expected 0: the model has no first derivatives");
+      if (o.implicit_solver == SdcSolver::cell_local) fail("method.gamma_advection", "expected 0 with implicit_solver = \"cell-local\"");
+      if (o.splitting == SdcSplitting::imex && o.implicit == SdcImplicit::reaction) {
+        fail("method.gamma_advection", "expected 0 with splitting = \"imex\" and implicit = \"reaction\"");
+      }
+    }
     if (composes_flows(o)) {
+      if (has_transport()) {
+        fail("method.splitting", fmt::format("expected \"preconditioned\" or \"imex\": the model {} has first derivatives", c_.model.name));
+      }
       const int order = o.splitting == SdcSplitting::lie ? 1 : 2;
       if (o.starting_order && *o.starting_order != order) {
         expected("method.starting_order", fmt::format("{}, the order of the splitting, or nothing", order));
@@ -478,6 +489,35 @@ class Completion {
     }
     if (o.implicit_solver == SdcSolver::multigrid && c_.grid.points.size() == 1) {
       expected("method.implicit_solver", "\"auto\", \"block-tridiagonal\" or \"cell-local\" in one dimension");
+    }
+  }
+
+  bool has_transport() const { return description_ != nullptr && description_->has_transport; }
+
+  template <typename... Options>
+  bool method_is() const {
+    return (std::holds_alternative<Options>(c_.method) || ...);
+  }
+
+  void transport() const {
+    if (!has_transport()) return;
+    if (c_.grid.points.size() != 1) fail("model.name", fmt::format("the model {} is for one dimension", c_.model.name));
+    const bool splits = method_is<LieOptions, StrangOptions>();
+    if (method_is<SdcOptions, CvodeOptions, AutoOptions>() || (splits && c_.diffusion_solver.name == DiffusionSolver::crank_nicolson)) return;
+    fail(splits ? "diffusion_solver.name" : "method.name",
+         fmt::format("the model {} has first derivatives, for which there are the methods sdc, cvode and auto, and lie and strang with "
+                     "diffusion_solver.name = \"crank-nicolson\"",
+                     c_.model.name));
+  }
+
+  void textbook_solvers() const {
+    const bool splits = method_is<LieOptions, StrangOptions>();
+    if (c_.diffusion_solver.name == DiffusionSolver::crank_nicolson) {
+      if (!splits) fail("diffusion_solver.name", fmt::format("\"crank-nicolson\" goes with methods lie and strang, not with {}", method_name(c_.method)));
+      if (c_.grid.points.size() != 1) fail("diffusion_solver.name", "\"crank-nicolson\" is for one dimension");
+    }
+    if (c_.reaction_solver.name == ReactionSolver::trapezoidal && !splits) {
+      fail("reaction_solver.name", fmt::format("\"trapezoidal\" goes with methods lie and strang, not with {}", method_name(c_.method)));
     }
   }
 

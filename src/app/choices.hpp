@@ -37,7 +37,9 @@ inline constexpr std::array choice_words<SdcFinalUpdate>{"auto", "last-node", "q
 template <>
 inline constexpr std::array choice_words<LinearSolver>{"band", "gmres"};
 template <>
-inline constexpr std::array choice_words<ReactionSolver>{"radau5", "cvode"};
+inline constexpr std::array choice_words<DiffusionSolver>{"rock4", "crank-nicolson"};
+template <>
+inline constexpr std::array choice_words<ReactionSolver>{"radau5", "cvode", "trapezoidal"};
 template <>
 inline constexpr std::array choice_words<Balance>{"auto", "off"};
 template <>

@@ -18,8 +18,10 @@
 #include "stiffront/control/sbdf_tables.hpp"
 #include "stiffront/control/spectral_deferred_correction.hpp"
 #include "stiffront/core/error.hpp"
+#include "stiffront/solvers/crank_nicolson.hpp"
 #include "stiffront/solvers/cvode_cells.hpp"
 #include "stiffront/solvers/rock4.hpp"
+#include "stiffront/solvers/trapezoidal_cells.hpp"
 #include "stiffront/splitting/timed_flow.hpp"
 
 namespace stiffront::app {
@@ -69,13 +71,19 @@ double MethodStack::make_flows(const Case& c, Problem& problem, double finest_re
   std::unique_ptr<stiffront::ReactionSolver> solver;
   if (c.reaction_solver.name == ReactionSolver::radau5) {
     solver = problem.model->make_radau5(cell);
+  } else if (c.reaction_solver.name == ReactionSolver::trapezoidal) {
+    solver = make_trapezoidal_cells(problem.state, *problem.model, cell);
   } else {
     solver = std::make_unique<CvodeCells>(*problem.model, cell);
   }
   reaction_ = std::make_unique<ReactionFlow>(problem.decomposition, problem.boundary, std::move(solver));
-  rock4_ = std::make_unique<Rock4>(problem.decomposition, problem.diffusion,
-                                   Rock4Tolerances{diffusion_tolerance, inner_absolute(diffusion_tolerance, problem)});
-  diffusion_ = std::make_unique<TimedFlow>(*rock4_, diffusion_seconds_);
+  if (c.diffusion_solver.name == DiffusionSolver::crank_nicolson) {
+    untimed_diffusion_ = std::make_unique<CrankNicolson>(problem.state, problem.rhs, diffusion_tolerance);
+  } else {
+    untimed_diffusion_ = std::make_unique<Rock4>(problem.decomposition, problem.diffusion,
+                                                 Rock4Tolerances{diffusion_tolerance, inner_absolute(diffusion_tolerance, problem)});
+  }
+  diffusion_ = std::make_unique<TimedFlow>(*untimed_diffusion_, diffusion_seconds_);
   return std::max(reaction_tolerance, diffusion_tolerance);
 }
 
@@ -170,16 +178,20 @@ void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem)
   }
   ImplicitTerms terms;
   terms.gamma_diffusion = *o.gamma_diffusion;
+  terms.gamma_advection = o.gamma_advection;
   if (o.splitting == SdcSplitting::imex && o.implicit == SdcImplicit::diffusion) terms.reaction = false;
-  if (o.splitting == SdcSplitting::imex && o.implicit == SdcImplicit::reaction) terms.gamma_diffusion = 0.0;
+  if (o.splitting == SdcSplitting::imex && o.implicit == SdcImplicit::reaction) {
+    terms.gamma_diffusion = 0.0;
+    terms.stiff_rates_only = true;
+  }
   SdcSolver solver = o.implicit_solver;
   if (solver == SdcSolver::automatic) {
     solver = c.grid.dimension() == 1 ? SdcSolver::block_tridiagonal : SdcSolver::multigrid;
-    if (!(terms.gamma_diffusion > 0.0)) solver = SdcSolver::cell_local;
+    if (!(terms.gamma_diffusion > 0.0 || terms.gamma_advection > 0.0)) solver = SdcSolver::cell_local;
   }
   switch (solver) {
     case SdcSolver::block_tridiagonal:
-      implicit_part_ = make_block_tridiagonal_part(problem.state, problem.diffusion, *problem.model, terms);
+      implicit_part_ = make_block_tridiagonal_part(problem.state, problem.diffusion, *problem.model, terms, problem.transport.get());
       break;
     case SdcSolver::multigrid:
       implicit_part_ = make_multigrid_part(problem.state, problem.diffusion, *problem.model, terms, o.linear_tolerance);
@@ -211,8 +223,8 @@ void MethodStack::make(const Case&, const CvodeOptions& o, Problem& problem) {
 }
 
 void MethodStack::make(const Case& c, const AutoOptions& o, Problem& problem) {
-  if (c.space.order == 8) {
-    // sbdf has no differences of that order.
+  if (c.space.order == 8 || problem.transport) {
+    // sbdf has no differences of that order, and no first derivatives.
     CvodeOptions cvode;
     cvode.relative_tolerance = 0.01 * o.tolerance;  // of a step: the run accumulates them
     choice_ = fmt::format("method auto: cvode with relative_tolerance = {:.3g}", cvode.relative_tolerance);

@@ -124,8 +124,9 @@ Problem::Problem(const Case& c, const ModelRegistry& models, const Communicator&
       decomposition(comm, grid, processes(c), fewest_points_of_a_part(c)),
       boundary(make_boundary(c)),
       model(make_model(c, models)),
+      transport(model->make_transport()),
       diffusion(grid, boundary, diffusion_coefficients(c), c.space.order),
-      rhs(decomposition, diffusion, *model),
+      rhs(decomposition, diffusion, *model, transport.get()),
       state(decomposition, model->n_species(), halo_width(c)) {
   note_ = initialise(c, *model, state);
   boundary.impose(state, c.time.start);

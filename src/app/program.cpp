@@ -36,7 +36,7 @@ std::string case_list(const std::vector<ModelDescription>& models) {
   std::string text;
   for (const BuiltinCase& c : builtin_cases()) {
     const Case parsed = parse_case({std::string(c.name), std::string(c.text), {}}, models);
-    text += fmt::format("{:<18} {}\n", c.name, parsed.title);
+    text += fmt::format("{:<26} {}\n", c.name, parsed.title);
   }
   return text;
 }
@@ -46,7 +46,7 @@ std::string model_list(const std::vector<ModelDescription>& models) {
   for (const ModelDescription& m : models) {
     std::vector<std::string> profiles;
     for (const auto& profile : m.profiles) profiles.push_back(profile.name);
-    text += fmt::format("{:<18} {}; species {}; {}\n", m.name, m.source, comma_list(m.species),
+    text += fmt::format("{:<26} {}; species {}; {}\n", m.name, m.source, comma_list(m.species),
                         profiles.empty() ? "no profiles" : "profiles " + comma_list(profiles));
   }
   return text;
@@ -54,7 +54,7 @@ std::string model_list(const std::vector<ModelDescription>& models) {
 
 std::string method_list() {
   std::string text;
-  for (const MethodEntry& m : methods()) text += fmt::format("{:<18} {}; {}\n", m.name, m.description, m.source);
+  for (const MethodEntry& m : methods()) text += fmt::format("{:<26} {}; {}\n", m.name, m.description, m.source);
   return text;
 }
 

@@ -327,7 +327,7 @@ std::vector<Key> sdc_keys() {
                           "factor on the three-point Laplacian of the implicit part"),
                    "1 for space.order = 2, otherwise 2"),
       number("method.gamma_advection", not_negative, STIFFRONT_METHOD(Options, gamma_advection),
-             "factor on the first derivatives of the implicit part; 0 as long as no model has any"),
+             "factor on the first derivatives of the implicit part, for models that have them"),
       choice("method.splitting", STIFFRONT_METHOD(Options, splitting),
              "\"preconditioned\": diffusion and the Jacobian of the reaction are implicit; \"imex\": one of them; \"lie\", \"strang\": "
              "the flows of reaction and diffusion, to the tolerances of their solvers, are start and correction"),
@@ -411,11 +411,13 @@ std::vector<Key> method_keys() {
 
 std::vector<Key> solver_keys() {
   return {
-      word("diffusion_solver.name", {"rock4"}, STIFFRONT_OPTION(diffusion_solver.name),
-           "integrator of the diffusion flow"),
+      choice("diffusion_solver.name", STIFFRONT_OPTION(diffusion_solver.name),
+             "integrator of the diffusion flow; \"crank-nicolson\": one step of second order, for lie and strang in 1-D, with the first "
+             "derivatives of models that have them"),
       number("diffusion_solver.tolerance", positive, STIFFRONT_OPTION(diffusion_solver.tolerance),
              "its relative and absolute tolerance"),
-      choice("reaction_solver.name", STIFFRONT_OPTION(reaction_solver.name), "integrator of the reaction flow"),
+      choice("reaction_solver.name", STIFFRONT_OPTION(reaction_solver.name),
+             "integrator of the reaction flow; \"trapezoidal\": one step of second order, for lie and strang"),
       number("reaction_solver.tolerance", positive, STIFFRONT_OPTION(reaction_solver.tolerance),
              "its relative and absolute tolerance"),
       choice("reaction_solver.balance", STIFFRONT_OPTION(reaction_solver.balance),

@@ -43,7 +43,8 @@ class Cvode::Solver {
     double* a = N_VGetArrayPointer(atol_);
     for (std::int64_t i = 0; i < points * m_; ++i) a[i] = options_.absolute_tolerance[static_cast<std::size_t>(i % m_)];
     if (options_.linear_solver == CvodeOptions::LinearSolver::band) {
-      probe_stencil(shape);
+      width_ = rhs.diffusion().reach();
+      if (rhs.transport() == nullptr) probe_stencil(shape);
     } else {
       blocks_.resize(static_cast<std::size_t>(points * m_ * m_));
       pivots_.resize(static_cast<std::size_t>(points * m_));
@@ -80,16 +81,18 @@ class Cvode::Solver {
     check(CVodeSetMaxNumSteps(memory_, -1), "CVodeSetMaxNumSteps");
     check(CVodeSetErrHandlerFn(memory_, &Solver::remember_message, this), "CVodeSetErrHandlerFn");
     if (options_.linear_solver == CvodeOptions::LinearSolver::band) {
-      const sunindextype half = std::max(m_ - 1, m_ * width_);
+      // Transport couples all species of neighbouring points.
+      const bool transport = rhs_->transport() != nullptr;
+      const sunindextype half = transport ? m_ * width_ + m_ - 1 : std::max(m_ - 1, m_ * width_);
       matrix_ = SUNBandMatrix(N_VGetLength(y_), half, half, context_);
       linear_ = SUNLinSol_Band(y_, matrix_, context_);
       check(CVodeSetLinearSolver(memory_, linear_, matrix_), "CVodeSetLinearSolver");
-      check(CVodeSetJacFn(memory_, &Solver::band_jacobian), "CVodeSetJacFn");
+      check(CVodeSetJacFn(memory_, transport ? &Solver::differenced_jacobian : &Solver::band_jacobian), "CVodeSetJacFn");
     } else {
       linear_ = SUNLinSol_SPGMR(y_, SUN_PREC_LEFT, 10, context_);
       check(CVodeSetLinearSolver(memory_, linear_, nullptr), "CVodeSetLinearSolver");
       check(CVodeSetPreconditioner(memory_, &Solver::factor_blocks, &Solver::solve_blocks), "CVodeSetPreconditioner");
-      check(CVodeSetJacTimes(memory_, nullptr, &Solver::jacobian_product), "CVodeSetJacTimes");
+      if (rhs_->transport() == nullptr) check(CVodeSetJacTimes(memory_, nullptr, &Solver::jacobian_product), "CVodeSetJacTimes");
     }
     counted_ = Work{};
   }
@@ -188,7 +191,6 @@ class Cvode::Solver {
   /// The Laplacian's matrix, found by applying it to combs of unit vectors that do not overlap.
   void probe_stencil(const Field& shape) {
     const DiffusionOperator& diffusion = rhs_->diffusion();
-    width_ = diffusion.reach();
     const int n = free_.i_end - free_.i_begin;
     const int colours = 2 * width_ + 1;
     stencil_.assign(static_cast<std::size_t>(m_ * n * colours), 0.0);
@@ -230,6 +232,39 @@ class Cvode::Solver {
         }
       }
     });
+    return 0;
+  }
+
+  /// By differences of the right-hand side, all columns that do not meet at once.
+  static int differenced_jacobian(realtype t, N_Vector y, N_Vector f, SUNMatrix matrix, void* data, N_Vector moved, N_Vector f_moved, N_Vector) {
+    Solver& me = self(data);
+    const sunindextype n = N_VGetLength(y);
+    const sunindextype half = SM_LBAND_B(matrix);
+    const double* p = N_VGetArrayPointer(y);
+    const double* before = N_VGetArrayPointer(f);
+    double* q = N_VGetArrayPointer(moved);
+    const double* after = N_VGetArrayPointer(f_moved);
+    std::vector<double> largest(static_cast<std::size_t>(me.m_), 0.0);
+    for (sunindextype k = 0; k < n; ++k) {
+      double& scale = largest[static_cast<std::size_t>(k % me.m_)];
+      scale = std::max(scale, std::abs(p[k]));
+    }
+    const auto increment = [&](sunindextype k) {
+      const double scale = largest[static_cast<std::size_t>(k % me.m_)];
+      return 1.5e-8 * (std::max(std::abs(p[k]), 1e-3 * scale) + (scale == 0.0 ? 1.0 : 0.0));
+    };
+    SUNMatZero(matrix);
+    for (sunindextype colour = 0; colour < std::min(n, 2 * half + 1); ++colour) {
+      std::copy(p, p + n, q);
+      for (sunindextype k = colour; k < n; k += 2 * half + 1) q[k] += increment(k);
+      evaluate(t, moved, f_moved, data);
+      for (sunindextype k = colour; k < n; k += 2 * half + 1) {
+        const double step = q[k] - p[k];
+        for (sunindextype row = std::max<sunindextype>(0, k - half); row <= std::min(n - 1, k + half); ++row) {
+          SM_ELEMENT_B(matrix, row, k) = (after[row] - before[row]) / step;
+        }
+      }
+    }
     return 0;
   }
 

@@ -12,6 +12,15 @@ GridLine::GridLine(int n, bool is_periodic, bool has_fixed_lower, bool has_fixed
   differentiate();
 }
 
+GridLine::GridLine(const Grid& grid, int direction, bool has_fixed_lower, bool has_fixed_upper)
+    : periodic(grid.periodic[static_cast<std::size_t>(direction)]),
+      fixed_lower(has_fixed_lower),
+      fixed_upper(has_fixed_upper),
+      period(static_cast<double>(grid.points[static_cast<std::size_t>(direction)])) {
+  for (std::int64_t i = 0; i < grid.points[static_cast<std::size_t>(direction)]; ++i) position.push_back(grid.place(direction, i));
+  differentiate();
+}
+
 void GridLine::differentiate() {
   const std::size_t n_points = position.size();
   lower.assign(n_points, 0.0);
@@ -130,7 +139,7 @@ std::vector<CoarseGrid> coarse_grids(const Decomposition& d, const Boundary& bou
     const auto i = static_cast<std::size_t>(direction);
     const bool periodic = grid.periodic[i];
     const auto fixed = [&](int side) { return !periodic && boundary.side(direction, side).kind == BoundaryKind::dirichlet; };
-    return GridLine(static_cast<int>(grid.points[i]), periodic, fixed(0), fixed(1));
+    return GridLine(grid, direction, fixed(0), fixed(1));
   };
   std::vector<CoarseGrid> grids;
   grids.push_back({{line(0), line(1)}, false, {static_cast<int>(d.offset_x()), static_cast<int>(d.offset_y())}, {d.n_x(), d.n_y()}, {}, {}});

@@ -20,7 +20,11 @@ class CellLocalPart final : public ImplicitPart {
   }
 
   void solve(double t, double h, const Field& at, Field& b, Work& work) override {
-    if (terms_.reaction) reaction_->jacobian(t, at, jacobian_, free_);
+    if (terms_.reaction && terms_.stiff_rates_only) {
+      reaction_->stiff_jacobian(t, at, jacobian_, free_);
+    } else if (terms_.reaction) {
+      reaction_->jacobian(t, at, jacobian_, free_);
+    }
     for (int j = free_.j_begin; j < free_.j_end; ++j) {
       for_each_pack(free_.i_begin, free_.i_end, [&](int i, int n) {
         Pack x[m];

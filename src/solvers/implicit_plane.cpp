@@ -285,7 +285,11 @@ class PlanePart final : public ImplicitPart {
 
   void solve(double t, double h, const Field& at, Field& b, Work& work) override {
     if (terms_.reaction) {
-      reaction_->jacobian(t, at, jacobian_, grids_[0].free);
+      if (terms_.stiff_rates_only) {
+        reaction_->stiff_jacobian(t, at, jacobian_, grids_[0].free);
+      } else {
+        reaction_->jacobian(t, at, jacobian_, grids_[0].free);
+      }
       work.reaction_jacobians += static_cast<std::int64_t>(grids_[0].free.i_end - grids_[0].free.i_begin) * (grids_[0].free.j_end - grids_[0].free.j_begin);
     }
     set_matrices(h);

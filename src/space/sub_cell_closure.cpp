@@ -10,9 +10,9 @@ namespace {
 
 constexpr int columns = SubCellClosure::columns;
 
-/// Weights on the points x[0] .. x[9] of the second derivative at z, the lower ones on the way.
+/// Weights on the points x[0] .. x[9] of the first two derivatives at z.
 /// @see Fornberg, Math. Comp. 51, 1988, pp. 699-706
-std::array<long double, columns> fornberg(const std::array<long double, columns>& x, long double z) {
+std::array<std::array<long double, columns>, 3> fornberg(const std::array<long double, columns>& x, long double z) {
   std::array<std::array<long double, columns>, 3> c{};
   c[0][0] = 1.0L;
   long double before = 1.0L;
@@ -30,7 +30,7 @@ std::array<long double, columns> fornberg(const std::array<long double, columns>
     }
     before = product;
   }
-  return c[2];
+  return c;
 }
 
 SubCellClosure make() {
@@ -41,9 +41,13 @@ SubCellClosure make() {
   for (std::size_t k = 2; k < columns; ++k) x[k] = static_cast<long double>(k) - 1.0L;
   for (std::size_t row = 1; row < SubCellClosure::rows; ++row) {
     const auto weights = fornberg(x, x[row]);
-    for (std::size_t k = 0; k < columns; ++k) closure.second[row - 1][k] = static_cast<double>(weights[k]);
+    for (std::size_t k = 0; k < columns; ++k) {
+      closure.first[row - 1][k] = static_cast<double>(weights[1][k]);
+      closure.second[row - 1][k] = static_cast<double>(weights[2][k]);
+    }
   }
   // x_4 by the centred formula on x_0 .. x_8.
+  closure.first[4] = {1.0 / 280.0, 0.0, -4.0 / 105.0, 0.2, -0.8, 0.0, 0.8, -0.2, 4.0 / 105.0, -1.0 / 280.0};
   closure.second[4] = {-1.0 / 560.0, 0.0,  8.0 / 315.0, -0.2,        1.6,
                        -205.0 / 72.0, 1.6, -0.2,        8.0 / 315.0, -1.0 / 560.0};
   return closure;

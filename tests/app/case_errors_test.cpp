@@ -98,6 +98,53 @@ TEST(CaseErrors, MessagesStayOnOneLine) {
             "bz.toml:14:1: method.a b: unknown key");
 }
 
+TEST(CaseErrors, ModelsWithFirstDerivativesNameTheMethodsTheyGoWith) {
+  const auto message = [](const std::vector<std::string>& overrides) -> std::string {
+    std::vector<ModelDescription> models;
+    models.push_back({"drift", "of its own", {"u"}, {}, {1.0}, {{"step", "a step"}}, true});
+    const char* const text = R"toml(
+[grid]
+points = [33]
+[model]
+name = "drift"
+[initial]
+profile = "step"
+[time]
+end = 1
+[method]
+name = "sdc"
+step = 0.1
+)toml";
+    try {
+      parse_case({"drift.toml", text, overrides}, models);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const std::string goes_with = "the model drift has first derivatives, for which there are the methods sdc, cvode and auto, and lie and "
+                                "strang with diffusion_solver.name = \"crank-nicolson\"";
+  for (const char* method : {"method={ name = \"adaptive-strang\" }", "method={ name = \"dcs\", step = 0.1 }", "method={ name = \"sbdf\" }"}) {
+    EXPECT_EQ(message({method}), "command line: method.name: " + goes_with);
+  }
+  for (const char* method : {"method={ name = \"lie\", step = 0.1 }", "method={ name = \"strang\", step = 0.1 }"}) {
+    EXPECT_EQ(message({method}), "drift.toml: diffusion_solver.name: " + goes_with);
+    EXPECT_EQ(message({method, "diffusion_solver.name=crank-nicolson"}), "no error");
+  }
+  for (const char* method : {"method.gamma_advection=2", "method={ name = \"cvode\" }", "method={ name = \"auto\" }"}) {
+    EXPECT_EQ(message({method}), "no error");
+  }
+  for (const char* splitting : {"lie", "strang"}) {
+    EXPECT_EQ(message({std::string("method.splitting=") + splitting}),
+              "command line: method.splitting: expected \"preconditioned\" or \"imex\": the model drift has first derivatives");
+  }
+  EXPECT_EQ(message({"method.gamma_advection=1", "method.implicit_solver=cell-local"}),
+            "command line: method.gamma_advection: expected 0 with implicit_solver = \"cell-local\"");
+  EXPECT_EQ(message({"method.gamma_advection=1", "method.splitting=imex", "method.implicit=reaction"}),
+            "command line: method.gamma_advection: expected 0 with splitting = \"imex\" and implicit = \"reaction\"");
+  EXPECT_EQ(message({"grid.points=[33, 33]"}), "drift.toml:5:1: model.name: the model drift is for one dimension");
+}
+
 TEST(CaseErrors, TwiceDefinedKeysAreRefusedByTheParser) {
   EXPECT_EQ(message_of({}, std::string(example_text) + "tolerance = 1\n").substr(0, 27), "bz.toml:14: not valid TOML:");
 }
@@ -145,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
              "\"auto\", "
              "got \"strng\"; did you mean strang?"},
         Rule{{"reaction_solver.name=radau"},
-             "reaction_solver.name: expected \"radau5\" or \"cvode\", got \"radau\"; did you mean radau5?"},
+             "reaction_solver.name: expected \"radau5\", \"cvode\" or \"trapezoidal\", got \"radau\"; did you mean radau5?"},
         Rule{{"model.name=bzz"}, "model.name: unknown model \"bzz\"; did you mean bz? Allowed: bz, kpp, custom"},
         Rule{{"model.parameters.eps=1"},
              "model.parameters.eps: unknown parameter; allowed for model bz: epsilon, mu, f, q"},
@@ -304,7 +351,13 @@ INSTANTIATE_TEST_SUITE_P(
         Rule{{"method={ name = \"cvode\" }", "reaction_solver.positivity=reject-step"},
              "reaction_solver.positivity: \"reject-step\" does not go with method \"cvode\"; use \"report\""},
         Rule{{"method={ name = \"sdc\", step = 0.1, gamma_advection = 1 }"},
-             "method.gamma_advection: expected 0: no model has first derivatives"},
+             "method.gamma_advection: expected 0: the model has no first derivatives"},
+        Rule{{"diffusion_solver.name=crank-nicolson"},
+             "diffusion_solver.name: \"crank-nicolson\" goes with methods lie and strang, not with adaptive-strang"},
+        Rule{{"method={ name = \"strang\", step = 0.1 }", "diffusion_solver.name=crank-nicolson", "grid.points=[9, 9]", "initial.profile=bz-spiral"},
+             "diffusion_solver.name: \"crank-nicolson\" is for one dimension"},
+        Rule{{"method={ name = \"sdc\", step = 0.1, splitting = \"strang\" }", "reaction_solver.name=trapezoidal"},
+             "reaction_solver.name: \"trapezoidal\" goes with methods lie and strang, not with sdc"},
         Rule{{"method={ name = \"sdc\", step = 0.1 }", "reaction_solver.positivity=reject-step"},
              "reaction_solver.positivity: \"reject-step\" does not go with method \"sdc\"; use \"report\""},
         Rule{{"output.every=0.1", "output.steps=3"}, "output.steps: expected only one of times, every and steps"},

@@ -12,9 +12,11 @@
 
 #include "stiffront/core/error.hpp"
 #include "stiffront/model/builtin/angiogenesis.hpp"
+#include "stiffront/model/builtin/angiogenesis_chemotaxis.hpp"
 #include "stiffront/model/builtin/brusselator.hpp"
 #include "stiffront/model/builtin/bz.hpp"
 #include "stiffront/model/builtin/bz2.hpp"
+#include "stiffront/model/builtin/dahlquist.hpp"
 #include "stiffront/model/builtin/discharge.hpp"
 #include "stiffront/model/builtin/fitzhugh_nagumo.hpp"
 #include "stiffront/model/builtin/flame.hpp"
@@ -22,8 +24,11 @@
 #include "stiffront/model/builtin/ignition.hpp"
 #include "stiffront/model/builtin/kpp.hpp"
 #include "stiffront/model/builtin/lambda_omega.hpp"
+#include "stiffront/model/builtin/pulsating_flame.hpp"
 #include "stiffront/model/builtin/pulse.hpp"
+#include "stiffront/model/builtin/reduced_pulsating_flame.hpp"
 #include "stiffront/model/builtin/slaved_oscillator.hpp"
+#include "stiffront/model/builtin/van_der_pol.hpp"
 #include "stiffront/solvers/model_registry.hpp"
 
 namespace stiffront {
@@ -44,11 +49,13 @@ struct List {
 };
 
 using Models =
-    List<Angiogenesis, Brusselator, Bz, Bz2, Discharge, FitzhughNagumo, Flame, GrayScott, Ignition, Kpp, LambdaOmega, Pulse, SlavedOscillator>;
+    List<Angiogenesis, AngiogenesisChemotaxis, Brusselator, Bz, Bz2, Dahlquist, Discharge, FitzhughNagumo, Flame, GrayScott, Ignition, Kpp,
+         LambdaOmega, PulsatingFlame, Pulse, ReducedPulsatingFlame, SlavedOscillator, VanDerPol>;
 
 /// Models whose rates go beyond + - * /: there packs and doubles agree to a few units in the last place only.
 template <class M>
-constexpr bool has_elementary_functions = std::is_same_v<M, Flame> || std::is_same_v<M, Ignition> || std::is_same_v<M, Pulse>;
+constexpr bool has_elementary_functions = std::is_same_v<M, AngiogenesisChemotaxis> || std::is_same_v<M, PulsatingFlame> ||
+                                          std::is_same_v<M, ReducedPulsatingFlame> || std::is_same_v<M, Flame> || std::is_same_v<M, Ignition> || std::is_same_v<M, Pulse>;
 
 constexpr int samples = 1000;
 
@@ -267,6 +274,16 @@ TEST(ModelsTest, AreRegisteredUnderTheirNamesAndEveryParameterCounts) {
         changed->rates_at(at.place.t, at.place.x, at.place.y, at.u.data(), du);
         fresh.rates(at.u.data(), du_fresh, at.place);
         for (int s = 0; s < M::n_species; ++s) differs |= du[s] != du_fresh[s];
+        if constexpr (ModelWithTransport<M>) {
+          M other;
+          for (const Parameter<M>& q : M::parameters) {
+            if (p.name == q.name) other.*q.member *= 1.01;
+          }
+          const double* u = at.u.data();
+          other.transport(u, u, u, du, at.place);
+          fresh.transport(u, u, u, du_fresh, at.place);
+          for (int s = 0; s < M::n_species; ++s) differs |= du[s] != du_fresh[s];
+        }
       }
       EXPECT_TRUE(differs) << p.name;
     }

@@ -53,7 +53,7 @@ class MethodStack {
   double reaction_tolerance_ = 0.0;
   double diffusion_seconds_ = 0.0;
   std::unique_ptr<ReactionFlow> reaction_;
-  std::unique_ptr<Flow> rock4_;
+  std::unique_ptr<Flow> untimed_diffusion_;
   std::unique_ptr<Flow> diffusion_;
   std::unique_ptr<DiffusionOperator> quadrature_diffusion_;  // dcs with a higher order in its quadrature
   std::unique_ptr<CoupledRhs> quadrature_rhs_;

@@ -238,15 +238,17 @@ struct AutoOptions {
 using MethodOptions = std::variant<AdaptiveStrangOptions, LieOptions, StrangOptions, DcsOptions, SdcOptions,
                                    SbdfOptions, CvodeOptions, AutoOptions>;
 
+enum class DiffusionSolver { rock4, crank_nicolson };
+
 /// [diffusion_solver]
 struct DiffusionSolverOptions {
-  std::string name = "rock4";
+  DiffusionSolver name = DiffusionSolver::rock4;
   double tolerance = 1e-5;
 
   bool operator==(const DiffusionSolverOptions&) const = default;
 };
 
-enum class ReactionSolver { radau5, cvode };
+enum class ReactionSolver { radau5, cvode, trapezoidal };
 enum class Balance { automatic, off };
 enum class Positivity { report, reject_step };
 

@@ -39,6 +39,7 @@ class Problem {
   Decomposition decomposition;
   Boundary boundary;
   std::unique_ptr<ModelKernels> model;
+  std::unique_ptr<TransportTerm> transport;  ///< null for models without first derivatives
   DiffusionOperator diffusion;
   CoupledRhs rhs;
   Field state;

@@ -79,6 +79,19 @@ concept Model = std::copyable<M> && std::default_initializable<M> && requires(co
   m.rates(u, du, p);
 };
 
+/// A model with first derivatives in its equations (model/transport_term.hpp): a member, templated like the rates,
+///
+///     template <class T, class P>
+///     void transport(const T* u, const T* u_x, const T* u_xx, T* du, const P& place) const;
+///
+/// Models without it never pay for it.
+template <class M>
+concept ModelWithTransport = Model<M> && requires(const M& m, const Pack* u, Pack* du, const Place<Pack>& p) { m.transport(u, u, u, du, p); };
+
+/// A model that says which part of its rates an IMEX splitting takes implicitly: stiff_rates, templated like the rates.
+template <class M>
+concept ModelWithStiffRates = Model<M> && requires(const M& m, const Pack* u, Pack* du, const Place<Pack>& p) { m.stiff_rates(u, du, p); };
+
 /// The same facts without the type, for case files, lists and messages.
 struct ModelDescription {
   struct NamedNumber {
@@ -96,6 +109,7 @@ struct ModelDescription {
   std::vector<NamedNumber> parameters;  ///< with their defaults
   std::vector<double> diffusion;        ///< default coefficients, one per species
   std::vector<NamedProfile> profiles;
+  bool has_transport = false;             ///< first derivatives in its equations
   std::vector<ConservedSum> conserved{};  ///< what the reactions leave constant, as far as it is known (reaction networks)
 
   int n_species() const { return static_cast<int>(species.size()); }
@@ -106,6 +120,7 @@ ModelDescription describe() {
   ModelDescription d;
   d.name = M::name;
   d.source = M::source;
+  d.has_transport = ModelWithTransport<M>;
   const M fresh{};
   for (const char* s : M::species) d.species.emplace_back(s);
   for (double c : M::diffusion) d.diffusion.push_back(c);

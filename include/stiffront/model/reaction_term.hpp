@@ -17,6 +17,8 @@ class ReactionTerm {
   /// jacobian = J(t, x, y, u) at the points of the box: entry (r, c) in species r * n + c of a field of n^2 species. Other points are
   /// left alone.
   virtual void jacobian(double t, const Field& u, Field& jacobian, const FreeBox& box) const = 0;
+  /// The same of the part of the rates that an IMEX splitting takes implicitly: all of them unless the model says otherwise.
+  virtual void stiff_jacobian(double t, const Field& u, Field& result, const FreeBox& box) const { jacobian(t, u, result, box); }
   /// A bound on the modulus of the reaction Jacobian's eigenvalues over the box, some ten per cent above the largest modulus for
   /// kinetics as they are; infinity if something is not finite. This rank only.
   virtual double jacobian_bound(double t, const Field& u, const FreeBox& box) const = 0;

@@ -18,6 +18,8 @@ namespace stiffront {
 struct GridLine {
   /// n equidistant points at distance 1.
   GridLine(int n, bool periodic, bool fixed_lower, bool fixed_upper);
+  /// The points of a direction of a grid, with its sub-cells.
+  GridLine(const Grid& grid, int direction, bool fixed_lower, bool fixed_upper);
 
   /// Whether a coarser line would have fewer unknowns.
   bool can_coarsen() const { return n_free() > 1; }

@@ -6,6 +6,7 @@
 
 #include "stiffront/mesh/field.hpp"
 #include "stiffront/model/reaction_term.hpp"
+#include "stiffront/model/transport_term.hpp"
 #include "stiffront/solvers/work.hpp"
 #include "stiffront/space/diffusion_operator.hpp"
 
@@ -24,11 +25,14 @@ class ImplicitPart {
   virtual std::string closing_note() const { return {}; }
 };
 
-/// What P = -(reaction Jacobian + gamma D Laplacian) is made of. The Laplacian is the one of three points per direction, whatever the
-/// order of the differences in F: twice of it (gamma = 2) outweighs those of any order.
+/// What P = -(reaction Jacobian + gamma_diffusion D Laplacian + gamma_advection a d/dx) is made of, with a from TransportTerm::advection. The
+/// derivatives are those of three points per direction, whatever the order of the differences in F: twice of them (gamma = 2) outweigh
+/// those of any order.
 struct ImplicitTerms {
   bool reaction = true;
   double gamma_diffusion = 1.0;
+  double gamma_advection = 0.0;
+  bool stiff_rates_only = false;  ///< of the reaction, what the model calls stiff
 };
 
 /// Of the Laplacian only the diagonal: every cell by itself. Without communication, but as a correction it needs h times the spectral
@@ -37,9 +41,10 @@ std::unique_ptr<ImplicitPart> make_cell_local_part(const Field& shape, const Dif
                                                    ImplicitTerms terms);
 
 /// The whole P in one dimension, solved directly by block cyclic reduction (solvers/block_tridiagonal.hpp).
+/// @param transport null for models without first derivatives
 /// @throws Error(input) in two dimensions
 std::unique_ptr<ImplicitPart> make_block_tridiagonal_part(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction,
-                                                          ImplicitTerms terms);
+                                                          ImplicitTerms terms, const TransportTerm* transport = nullptr);
 
 /// The whole P in two dimensions, by GMRES. The preconditioner is a V-cycle of multigrid with damped cell-Jacobi steps: cell blocks hold
 /// the reaction's Jacobian and the diagonal of the Laplacian, coarser grids see means of the Jacobian, and a direction is coarsened only

@@ -11,6 +11,7 @@
 #include "stiffront/core/error.hpp"
 #include "stiffront/model/model.hpp"
 #include "stiffront/model/reaction_term.hpp"
+#include "stiffront/solvers/model_transport.hpp"
 #include "stiffront/solvers/radau5.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
 #include "stiffront/solvers/sbdf_line.hpp"
@@ -28,6 +29,8 @@ class ModelKernels : public ReactionTerm {
   virtual void initialise(const std::string& profile, Field& u) const = 0;
   /// @throws Error(bug) for tolerances that are not one positive number per species
   virtual std::unique_ptr<ReactionSolver> make_radau5(const CellTolerances& tolerances) const = 0;
+  /// Null for models without first derivatives. @pre of what it is used for: the grid has one dimension
+  virtual std::unique_ptr<TransportTerm> make_transport() const = 0;
   /// The sweeps of the method sbdf.
   virtual std::unique_ptr<SbdfKernel> make_sbdf() const = 0;
   /// Its Newton iterations on lines. @pre the grid has one dimension
@@ -57,6 +60,14 @@ class ModelKernelsOf final : public ModelKernels {
 
   std::unique_ptr<ReactionSolver> make_radau5(const CellTolerances& tolerances) const override {
     return std::make_unique<Radau5<M>>(model_, tolerances);
+  }
+
+  std::unique_ptr<TransportTerm> make_transport() const override {
+    if constexpr (ModelWithTransport<M>) {
+      return std::make_unique<ModelTransport<M>>(model_);
+    } else {
+      return nullptr;
+    }
   }
 
   std::unique_ptr<SbdfKernel> make_sbdf() const override { return std::make_unique<SbdfKernelOf<M>>(model_); }
@@ -141,6 +152,25 @@ class ModelKernelsOf final : public ModelKernels {
         rates_and_jacobian(model_, v, dv, entries, place_of_pack(d, t, i, j, n));
         for (int k = 0; k < m * m; ++k) entries[k / m][k % m].store_partial(result.row(k, j) + i, n);
       });
+    }
+  }
+
+  void stiff_jacobian(double t, const Field& u, Field& result, const FreeBox& box) const override {
+    if constexpr (ModelWithStiffRates<M>) {
+      using D = Dual<Pack, M::n_species>;
+      constexpr int m = M::n_species;
+      const Decomposition& d = u.decomposition();
+      for (int j = box.j_begin; j < box.j_end; ++j) {
+        for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
+          D v[m];
+          D dv[m];
+          for (int s = 0; s < m; ++s) v[s] = D::variable(Pack::load_partial(u.row(s, j) + i, n), s);
+          model_.stiff_rates(v, dv, place_of_pack(d, t, i, j, n));
+          for (int k = 0; k < m * m; ++k) dv[k / m].derivative[k % m].store_partial(result.row(k, j) + i, n);
+        });
+      }
+    } else {
+      jacobian(t, u, result, box);
     }
   }
 

@@ -11,7 +11,8 @@ namespace stiffront {
 /// Differences of order eight next to a Dirichlet side, in units of the spacing.
 ///
 /// One-sided differences of this order are unstable on a uniform grid. One additional point a fifth of a spacing from the side,
-/// an unknown like all others, makes them stable: the second difference gets a real negative spectrum. The points from the side inwards are x_0 (given), the sub-cell, x_1, x_2 ...;
+/// an unknown like all others, makes them stable: the second difference gets a real negative spectrum and the first one, with values
+/// given at the inflow, a spectrum in the left half-plane. The points from the side inwards are x_0 (given), the sub-cell, x_1, x_2 ...;
 /// the sub-cell and x_1, x_2, x_3 take the weights of all ten outermost points, and x_4 the centred formula, which skips the sub-cell.
 /// From x_5 on nothing is different from the interior.
 ///
@@ -22,6 +23,7 @@ struct SubCellClosure {
   static constexpr int columns = 10;  ///< weights of the points 0 .. 9
   using Weights = std::array<std::array<double, columns>, rows>;
 
+  Weights first;   ///< of du/dx at a lower side; at an upper side they change their sign
   Weights second;  ///< of d2u/dx2
 
   /// The one there is.

@@ -28,4 +28,15 @@ inline ThreePoint three_point_second(const Grid& grid, int direction, std::int64
   return {2.0 / (a * (a + b)), 2.0 / (b * (a + b))};
 }
 
+/// First difference of the same kind.
+inline ThreePoint three_point_first(const Grid& grid, int direction, std::int64_t i) {
+  const std::int64_t last = grid.points[static_cast<std::size_t>(direction)] - 1;
+  if (!grid.periodic[static_cast<std::size_t>(direction)] && (i == 0 || i == last)) return {0.0, 0.0};
+  if (!grid.has_sub_cells(direction)) return {-0.5, 0.5};
+  const double here = grid.place(direction, i);
+  const double a = here - grid.place(direction, i - 1);
+  const double b = grid.place(direction, i + 1) - here;
+  return {-b / (a * (a + b)), a / (b * (a + b))};
+}
+
 }  // namespace stiffront
