@@ -96,15 +96,21 @@ void AdaptiveStrang::strang_and_embedded(double t, double dt, Field& u, Field& v
 /// Differences that the inner solvers may have made tell nothing about the constants: divided by dt^3 they would give a C_0 that
 /// grows as the step shrinks, a smaller critical step, a smaller step, and so on. They do tell that the Strang error is far below
 /// the tolerance, so that the critical step is no reason yet not to grow. The next estimate is due when the step has doubled.
+///
+/// Unless both estimators see the same cubic error: that is no noise, however small it is. It may lower C_0 for the limit of the companion, which
+/// would hold the step where a large C_0 of the past has put it, so that no later one could be measured.
 void AdaptiveStrang::update_critical_step(double dt, double error_whole, double error_half, double& error) {
   const double floor = std::max(round_off_floor, options_.inner_tolerance);
+  constexpr double whole_of_cubic = cube(a1) - cube(b1) - cube(c1), half_of_cubic = cube(a2) - cube(b2) - cube(c2);
+  const double doubled = error_whole / whole_of_cubic;
   if (!(error_whole > floor && error > floor)) {
+    const double ratio = error_half / half_of_cubic / doubled;
+    if (error_whole > 10.0 * round_off_floor && ratio > 0.5 && ratio < 2.0) c0_ = std::min(c0_, doubled / cube(dt));
     refused_dt_ = dt;
     critical_dt_ = std::max(critical_dt_, options_.max_growth * dt);
     return;
   }
   refused_dt_ = 0.0;
-  const double doubled = error_whole / (cube(a1) - cube(b1) - cube(c1));
   const double alpha1 = cube(a1) - cube(b1), gamma1 = cube(c1);
   const double alpha2 = cube(a2) - cube(b2), gamma2 = cube(c2);
   double strang_error = (gamma1 * error_half - gamma2 * error_whole) / (alpha2 * gamma1 - alpha1 * gamma2);
