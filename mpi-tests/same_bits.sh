@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# usage: same_bits.sh PROGRAM MPIEXEC CASE LAYOUTS [KEY=VALUE ...]
-# Runs a case on every layout of LAYOUTS ("1x1 2x1 3x1 2x2 ...") and fails unless final state, steps and counts are the same.
+# usage: same_bits.sh PROGRAM MPIEXEC CASE LAYOUTS [--rejections] [KEY=VALUE ...]
+# Runs a case on every layout of LAYOUTS ("1x1 2x1 3x1 2x2 ...") and fails unless final state, steps and counts are the same; with
+# --rejections also if no step was rejected.
 set -eu
 program=$1 mpiexec=$2 case=$3 layouts=$4
 shift 4
+rejections=no
+if [ "${1:-}" = --rejections ]; then rejections=yes; shift; fi
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 reference=
@@ -18,6 +21,9 @@ for layout in $layouts; do
   fi
   # What must agree: checksum, time, steps, and the step sizes of the history.
   facts=$(grep -E '"(checksum|time|accepted|rejected)"' "$out/summary.json"; cut -d, -f1-10 "$out/history.csv" | cksum)
+  if [ $rejections = yes ] && grep -q '"rejected": 0' "$out/summary.json"; then
+    echo "no step was rejected on $layout"; exit 1
+  fi
   if [ -z "$reference" ]; then
     reference=$facts
   elif [ "$facts" != "$reference" ]; then

@@ -3,19 +3,20 @@
 """The figures of Duarte & Emmett, "High order schemes based on operator splitting and deferred corrections for stiff time dependent
 PDEs", 2016 (hal-01016684), measured with this program: numbers on the terminal, pictures in the output folder.
 
-    drivers/reproduce/dcs.py [fig1 ... fig7] [window] [variations] [--program build/release/stiffront] [--out out/dcs]
+    drivers/reproduce/dcs.py [fig1 ... fig7] [window] [rules] [variations] [--program build/release/stiffront] [--out out/dcs]
 
 fig1        the wave at t = 0, 0.1, ..., 1, its speed and largest values
 fig2        Lie: local errors from t = 0.5 and global errors over [0.5, 0.6], k = 0 ... 5
 fig3        Strang: the same
 fig4        local errors beside their estimates (43) and the steps dt_max,k
 fig5        adaptive steps, corrections and rejections at t = 0.5 for tolerances 1e-4 ... 1e-12; steps over time for 1e-7
-fig6        errors in space on 501 ... 8001 points; errors in space and time on 1001 (about ten minutes)
+fig6        errors in space on 501 ... 8001 points; errors in space and time on 1001
 fig7        local errors with differences of order four, and of order four in the quadrature only
-window      error at the end of [0, 1] for tolerances 1e-4 ... 1e-10 (minutes; --finest: 1e-12 too), and rejections
-variations  global errors of other kinetics, parameters and dimensions
+window      error at the end of [0, 1] for tolerances 1e-4 ... 1e-12, and rejections
+rules       what is paid for a tolerance with the exponents the errors have and with those of the paper, on the built-in lines
+variations  global errors of other kinetics, parameters and dimensions, and how far two references are apart
 
-What the numbers should be is in docs/dcs.md. Needs numpy, h5py and matplotlib.
+What the numbers should be is in docs/dcs.md. All of it takes ten minutes. Needs numpy, h5py and matplotlib.
 """
 import argparse
 import csv
@@ -36,7 +37,7 @@ import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first
 QUIET = ["output.checkpoint.every_seconds=0", "output.every=0", "output.times=[]", "limits.stall_limit_s=0"]
 COLORS = plt.get_cmap("viridis")(np.linspace(0.0, 0.85, 6))
 MARKERS = "osD^v<"
-CVODE = 'method={name="cvode", relative_tolerance=1e-12, absolute_tolerance=1e-14, linear_solver="band"}'
+CVODE = 'method={name="cvode", relative_tolerance=1e-13, absolute_tolerance=1e-15, linear_solver="band"}'
 
 
 class Program:
@@ -109,9 +110,19 @@ def rms_over_max(u, reference):
 
 def table(title, rows, steps, iterations, key="error"):
     print(title)
-    print("    step  " + "".join(f"        k={k}" for k in iterations))
+    print("      step" + "".join(f"        k={k}" for k in iterations))
     for step in steps:
-        print(f"  {step:8.0e}" + "".join(f" {number(rows[step, k].get(key)):10.3e}" for k in iterations), flush=True)
+        values = [number(rows[step, k].get(key)) for k in iterations]
+        print(f"  {step:8.2e}" + "".join("          -" if math.isnan(v) else f" {v:10.3e}" for v in values), flush=True)
+
+
+def orders(rows, steps, iterations):
+    """Between the two smallest steps whose errors are above those of the references."""
+    seen = []
+    for k in iterations:
+        pair = sorted(step for step in steps if number(rows[step, k]["error"]) > 1e-10)[:2]
+        seen.append(math.log(rows[pair[1], k]["error"] / rows[pair[0], k]["error"]) / math.log(pair[1] / pair[0]) if len(pair) == 2 else math.nan)
+    print("     order" + "".join("          -" if math.isnan(o) else f" {o:10.2f}" for o in seen), flush=True)
 
 
 def draw_errors(axes, rows, steps, iterations, key="error", **style):
@@ -127,11 +138,13 @@ def logarithmic(axes, x, y, title):
     axes.grid(True, color="#DDDDDD", linewidth=0.6)
 
 
-def slopes(axes, orders, at, value):
-    """Dashed lines of the given slopes through (at, value)."""
+def slopes(axes, rows, at, claimed):
+    """Dotted lines of the claimed slopes through the errors of the step `at`."""
     low, high = axes.get_xlim()
-    for order in orders:
-        axes.plot([low, high], [value * (low / at) ** order, value * (high / at) ** order], color="#999999", linestyle=":", linewidth=0.8, zorder=0)
+    for k, order in enumerate(claimed):
+        value = number(rows[at, k]["error"])
+        axes.plot([low, high], [value * (low / at) ** order, value * (high / at) ** order], color=COLORS[k], linestyle=":", linewidth=0.8, zorder=0)
+    axes.set_xlim(low, high)
 
 
 def fig1(program):
@@ -156,19 +169,20 @@ def fig1(program):
     program.picture(figure, "fig1")
 
 
-def errors_of(program, name, splitting, iterations, local_slopes, global_slopes):
+def errors_of(program, name, splitting, iterations, power):
     local_steps, global_steps = [1e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3], [2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3]
     local = program.study(name + "-local", "local", local_steps, iterations, splitting)
     table(f"{splitting}: local errors", local, local_steps, iterations)
     whole = program.study(name + "-global", "global", global_steps, iterations, splitting)
-    table(f"{splitting}: global errors", whole, global_steps, iterations)
+    table(f"{splitting}: global errors; -: refused, beyond the limit of stability", whole, global_steps, iterations)
+    orders(whole, global_steps, iterations)
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.5), layout="constrained")
     draw_errors(left, local, local_steps, iterations)
     logarithmic(left, "Δt", "relative error", f"{splitting}: one step from t = 0.5")
-    slopes(left, local_slopes, 1e-5, 1e-9)
+    slopes(left, local, 1e-5, [min(6, power + 1 + k) for k in iterations])
     draw_errors(right, whole, global_steps, iterations)
     logarithmic(right, "Δt", "relative error", f"{splitting}: from t = 0.5 to 0.6")
-    slopes(right, global_slopes, 1e-4, 1e-7)
+    slopes(right, whole, 2e-5, [min(5, power + k) for k in iterations])
     left.set_ylim(1e-17, 1e-1)
     right.set_ylim(1e-12, 1e-1)
     left.legend(fontsize="small")
@@ -176,11 +190,11 @@ def errors_of(program, name, splitting, iterations, local_slopes, global_slopes)
 
 
 def fig2(program):
-    errors_of(program, "fig2", "lie", [0, 1, 2, 3, 4, 5], range(2, 7), range(1, 6))
+    errors_of(program, "fig2", "lie", [0, 1, 2, 3, 4, 5], 1)
 
 
 def fig3(program):
-    errors_of(program, "fig3", "strang", [0, 1, 2, 3, 4], range(3, 7), range(2, 6))
+    errors_of(program, "fig3", "strang", [0, 1, 2, 3, 4], 2)
 
 
 def fig4(program):
@@ -189,7 +203,7 @@ def fig4(program):
     for axes, splitting, iterations in zip(panels, ("lie", "strang"), ([0, 1, 2, 3, 4, 5], [0, 1, 2, 3, 4])):
         rows = program.study("fig4-" + splitting, "local", steps, iterations, splitting)
         table(f"{splitting}: errors", rows, steps, iterations)
-        table(f"{splitting}: estimates (43); nan: the corrections diverge", rows, steps, iterations, "estimate")
+        table(f"{splitting}: estimates (43); -: the corrections diverge", rows, steps, iterations, "estimate")
         table(f"{splitting}: dt_max,k", rows, steps, iterations, "step_limit")
         draw_errors(axes, rows, steps, iterations, linestyle="--")
         draw_errors(axes, rows, steps, iterations, "estimate", markerfacecolor="none")
@@ -201,6 +215,7 @@ def fig4(program):
     program.picture(figure, "fig4")
 
 
+RULE_COLORS = ["#0072B2", "#D55E00", "#56B4E9", "#E69F00", "#000000"]
 RULES = {
     "(44)": "",
     "(46)": ', step_rule="kmax"',
@@ -213,7 +228,7 @@ RULES = {
 def fig5(program):
     tolerances = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12]
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.5), layout="constrained")
-    for color, (rule, keys) in zip(COLORS, RULES.items()):
+    for color, (rule, keys) in zip(RULE_COLORS, RULES.items()):
         chosen = []
         for tolerance in tolerances:
             if "alone" in rule and tolerance < 1e-7:
@@ -229,7 +244,7 @@ def fig5(program):
         left.plot(*zip(*chosen), color=color, marker="o", markersize=4, linewidth=1.1, label=rule)
     logarithmic(left, "tolerance η", "Δt at t = 0.5", "steps")
     left.legend(fontsize="small")
-    for color, (rule, keys) in zip(COLORS, RULES.items()):
+    for color, (rule, keys) in zip(RULE_COLORS, RULES.items()):
         if "alone" in rule:
             continue
         rows = [r for r in history(program.run("bz-1d", "fig5", f'method={{name="dcs", tolerance=1e-7, initial_step=1e-7{keys}}}', "time.end=0.6"))
@@ -277,29 +292,26 @@ def fig6(program):
     logarithmic(left, "Δx", "relative error", "one step of 1e-6: error in space")
     left.legend(fontsize="small")
     steps = [1e-6, 1e-5, 1e-4, 1e-3]
+    curves = {}
     for dt in steps:
         tight = 'method={name="dcs", tolerance=1e-11}'
         exact = injected(last_file(program.run("bz-1d", "fig6", *begin, *on_finest, tight, f"time.end={0.5 + dt!r}")), 1001)
         for order in (2, 4):
-            errors = []
-            for k in range(4):
-                folder = program.call("converge", "bz-1d", "fig6-steps", *begin, *inner, f"space.order={order}", "time.end=0.6", 'method={name="dcs"}',
-                                      f'converge={{kind="local", steps=[{dt!r}], iterations=[{k}]}}')
-                with open(os.path.join(folder, "converge.json")) as f:
-                    in_time = number(json.load(f)["rows"][0]["error"])
-                errors.append(in_time)
+            folder = program.call("converge", "bz-1d", "fig6-steps", *begin, *inner, f"space.order={order}", "time.end=0.6", 'method={name="dcs"}',
+                                  f'converge={{kind="local", steps=[{dt!r}], iterations=[0, 1, 2, 3]}}')
+            with open(os.path.join(folder, "converge.json")) as f:
+                in_time = [number(row["error"]) for row in json.load(f)["rows"]]
             # Beyond the limit of stability a single step is no run: the errors in time are those of an order study.
-            totals = []
             for k in range(4):
                 try:
-                    totals.append(by_max_of_a(fields(step(1001, order, k, dt))[0], exact))
+                    curves.setdefault((k, order), []).append(by_max_of_a(fields(step(1001, order, k, dt))[0], exact))
                 except subprocess.CalledProcessError:
-                    totals.append(math.nan)
-            print(f"order {order}, dt {dt:.0e}: in time " + " ".join(f"{e:.3e}" for e in errors) + "; in space and time "
-                  + " ".join(f"{e:.3e}" for e in totals), flush=True)
-            for k, e in enumerate(totals):
-                right.plot([dt], [e], color=COLORS[k], marker="o" if order == 2 else "x", markersize=6,
-                           label=f"k = {k}, order {order}" if dt == steps[0] else None)
+                    curves[k, order].append(math.nan)
+            print(f"order {order}, dt {dt:.0e}: in time " + " ".join(f"{e:.3e}" for e in in_time) + "; in space and time "
+                  + " ".join(f"{curves[k, order][-1]:.3e}" for k in range(4)), flush=True)
+    for (k, order), errors in curves.items():
+        right.plot(steps, errors, color=COLORS[k], marker="o" if order == 2 else "x", linestyle="-" if order == 2 else "--", linewidth=1.0, markersize=5,
+                   label=f"k = {k}, order {order}")
     logarithmic(right, "Δt", "relative error", "1001 points: errors in space and time of one step")
     right.legend(fontsize="x-small")
     program.picture(figure, "fig6")
@@ -308,21 +320,22 @@ def fig6(program):
 def fig7(program):
     steps, iterations = [1e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4], [0, 1, 2, 3, 4, 5]
     figure, panels = plt.subplots(1, 2, figsize=(10, 4.5), layout="constrained")
-    for axes, name, order in zip(panels, ("fourth order", "second/fourth order"), ("4", "2")):
+    # With differences of order two in the splitting, the error in space of the prediction is one power of the step, and each correction adds one.
+    for axes, name, order, order_of_prediction in zip(panels, ("fourth order", "second/fourth order"), ("4", "2"), (2, 1)):
         rows = program.study("fig7", "local", steps, iterations, "lie", f"space={{order={order}, quadrature_order=4}}")
         table(f"{name}: local errors", rows, steps, iterations)
         draw_errors(axes, rows, steps, iterations)
         logarithmic(axes, "Δt", "relative error", name)
         axes.set_ylim(1e-17, 1e-1)
-        slopes(axes, range(3, 7), 1e-5, 1e-9)
+        slopes(axes, rows, 1e-5, [min(6, order_of_prediction + k) for k in iterations])
     panels[0].legend(fontsize="small")
     program.picture(figure, "fig7")
 
 
-def window(program, finest):
+def window(program):
     reference = fields(last_file(program.run("bz-1d", "window-reference", CVODE, "time.end=1.0")))[0]
     for splitting in ("lie", "strang"):
-        for tolerance in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10) + ((1e-12,) if finest else ()):
+        for tolerance in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12):
             folder = program.run("bz-1d", "window", f'method={{name="dcs", tolerance={tolerance}, splitting="{splitting}"}}', "time.end=1.0")
             rows = history(folder)
             accepted = sum(r["accepted"] == 1 for r in rows)
@@ -333,36 +346,67 @@ def window(program, finest):
                   f"bound {10 * tolerance * math.sqrt(accepted):.2e}", flush=True)
 
 
+LINES = {"brusselator-1d": 1.0, "kpp-1d": 1.0, "lambda-omega-1d": 0.4, "fhn-1d": 0.5, "bz2-1d": 0.1, "gray-scott-1d": 50.0, "flame-1d": 0.8,
+         "angiogenesis-1d": 0.002, "bz-1d": 0.35}
+
+
+def rules(program):
+    totals = {}
+    for case, end in LINES.items():
+        for splitting in ("lie", "strang"):
+            for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8):
+                text = f"{case}, {splitting}, tolerance {tolerance:.0e}:"
+                works = []
+                for name, keys in (("observed", ""), ("published", ', exponent="published"')):
+                    rows = history(program.run(case, "rules", f'method={{name="dcs", tolerance={tolerance}, splitting="{splitting}"{keys}}}', f"time.end={end}"))
+                    accepted = sum(r["accepted"] == 1 for r in rows)
+                    works.append(sum(3 + 2 * r["iterations"] for r in rows))
+                    text += f" {name} {accepted} steps, {len(rows) - accepted} rejected, {works[-1]:.0f} splitting steps;"
+                    total = totals.setdefault((splitting, name), [0, 0, 0.0])
+                    for i, x in enumerate((accepted, len(rows) - accepted, works[-1])):
+                        total[i] += x
+                print(text, f"work {works[0] / works[1]:.2f} of the published", flush=True)
+    for (splitting, name), (accepted, rejected, work) in totals.items():
+        print(f"{splitting}, {name}, all of them: {accepted} steps, {rejected} rejected, {work:.0f} splitting steps")
+
+
+OREGONATOR = os.path.join(os.path.dirname(os.path.abspath(__file__)), "oregonator.toml")
+BZ_STEPS = [1e-4, 5e-5, 2.5e-5, 1.25e-5]
 VARIATIONS = {
-    "Brusselator": ("brusselator-1d", ["time.end=1.0"], [0.1, 0.05, 0.025, 0.0125]),
-    "Oregonator in two variables": ("bz2-1d", ["time.end=0.1"], [2e-3, 1e-3, 5e-4, 2.5e-4]),
-    "BZ, f = 3, q = 2e-4": ("bz-1d", ["time.end=0.02", "model.parameters={epsilon=1e-2, mu=1e-5, f=3.0, q=2e-4}"], [1e-4, 5e-5, 2.5e-5, 1.25e-5]),
-    "BZ, f = 1.2, q = 8e-3": ("bz-1d", ["time.end=0.02", "model.parameters={epsilon=1e-2, mu=1e-5, f=1.2, q=8e-3}"], [1e-4, 5e-5, 2.5e-5, 1.25e-5]),
-    "BZ in two dimensions": ("bz-2d-spiral", ["grid.points=[64, 64]", "time.end=0.01"], [1e-4, 5e-5, 2.5e-5, 1.25e-5]),
+    "Brusselator": ("brusselator-1d", ["time.end=1.0"], [0.1, 0.05, 0.025, 0.0125, 0.00625]),
+    "Oregonator in two variables, custom model": (OREGONATOR, ["time.end=0.1"], [2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4]),
+    "BZ, f = 3, q = 2e-4": ("bz-1d", ["time.end=0.02", "model.parameters={epsilon=1e-2, mu=1e-5, f=3.0, q=2e-4}"], BZ_STEPS),
+    "BZ, f = 1.2, q = 8e-3": ("bz-1d", ["time.end=0.02", "model.parameters={epsilon=1e-2, mu=1e-5, f=1.2, q=8e-3}"], BZ_STEPS),
+    "BZ in two dimensions": ("bz-2d-spiral", ["grid.points=[64, 64]", "time.end=0.01"], BZ_STEPS),
 }
 
 
 def variations(program):
     for name, (case, overrides, steps) in VARIATIONS.items():
         for splitting, iterations in (("lie", [0, 1, 2, 3]), ("strang", [0, 1, 2])):
-            folder = program.call("converge", case, "variations", *overrides, f'method={{name="dcs", splitting="{splitting}"}}',
-                                  f'converge={{steps={steps}, iterations={iterations}, reference={{method="cvode", tolerance=1e-12}}}}',
-                                  "reaction_solver.tolerance=1e-10", "diffusion_solver.tolerance=1e-10")
-            with open(os.path.join(folder, "converge.json")) as f:
-                rows = {(row["step"], int(row["variant"][2:])): row for row in json.load(f)["rows"]}
+            by_reference = []
+            for reference in ('{method="cvode", tolerance=1e-13}', f'{{method="sdc", step={steps[-1] / 4!r}}}'):
+                folder = program.call("converge", case, "variations", *overrides, f'method={{name="dcs", splitting="{splitting}"}}',
+                                      f"converge={{steps={steps}, iterations={iterations}, reference={reference}}}",
+                                      "reaction_solver.tolerance=1e-11", "diffusion_solver.tolerance=1e-11")
+                with open(os.path.join(folder, "converge.json")) as f:
+                    by_reference.append({(row["step"], int(row["variant"][2:])): row for row in json.load(f)["rows"]})
+            rows, others = by_reference
             table(f"{name}, {splitting}: global errors", rows, steps, iterations)
+            orders(rows, steps, iterations)
+            apart = max(abs(number(rows[key]["error"]) - number(others[key]["error"])) for key in rows if not math.isnan(number(rows[key]["error"])))
+            print(f"  by the other reference (sdc) the errors differ by at most {apart:.1e}", flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("items", nargs="*", metavar="ITEM", help="fig1 ... fig7, window, variations; none: all")
+    parser.add_argument("items", nargs="*", metavar="ITEM", help="fig1 ... fig7, window, rules, variations; none: all")
     parser.add_argument("--program", default="build/release/stiffront")
     parser.add_argument("--out", default="out/dcs")
-    parser.add_argument("--finest", action="store_true", help="window: also 1e-12")
     options = parser.parse_args()
     program = Program(options.program, options.out)
     items = {"fig1": fig1, "fig2": fig2, "fig3": fig3, "fig4": fig4, "fig5": fig5, "fig6": fig6, "fig7": fig7,
-             "window": lambda p: window(p, options.finest), "variations": variations}
+             "window": window, "rules": rules, "variations": variations}
     for item in options.items or items:
         if item not in items:
             parser.error(f"unknown item {item}")

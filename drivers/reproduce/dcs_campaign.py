@@ -9,7 +9,7 @@ adaptive  tolerances 1e-2 ... 1e-12: steps, rejections, error at the end over th
 fixed     k = 0 ... 6 corrections with steps of 1/1 ... 1/4096 of the time span: solved, refused with the limit of stability, or at fault
 
 A run is at fault if it does not end, ends otherwise than with the solution or an error that says what to do, if an adaptive one fails at
-all or misses the bound, or if a fixed one ends with an error in the solution of more than twice its size. References: cvode, 1e-11.
+all or misses the bound, or if a fixed one ends with an error in the solution of more than twice its size. References: cvode, 1e-13.
 Exit status 1 if one is. About ten minutes. Needs numpy and h5py.
 """
 import argparse
@@ -59,10 +59,10 @@ class Program:
             return 0, "", {s: f[s][...] for s in f if s not in ("x", "y")}, steps["accepted"], steps["rejected"]
 
     def reference(self, case):
-        plane = case.endswith("2d")
-        scale = 1e-3 if case == "discharge-1d" else 1e-13
+        plane = "-2d" in case
+        scale = 1e-3 if case == "discharge-1d" else 1e-15
         solver = "gmres" if plane or case in ("pulse-1d",) else "band"
-        method = f'{{name="cvode", relative_tolerance=1e-11, absolute_tolerance={scale!r}, linear_solver="{solver}"}}'
+        method = f'{{name="cvode", relative_tolerance=1e-13, absolute_tolerance={scale!r}, linear_solver="{solver}"}}'
         status, text, fields, _, _ = self.run(case, method)
         if status != 0:
             sys.exit(f"{case}: no reference: {text}")

@@ -335,6 +335,8 @@ void DeferredCorrection::visit_state(StateVisitor& visitor) {
   DeferredCorrectionControl::Memory& memory = control_.memory();
   visitor.integer("hold", memory.hold);
   visitor.number("rejected_step", memory.rejected_step);
+  visitor.integer("iterations", memory.iterations);
+  visitor.number("accepted_step", memory.step);
   visitor.number("prediction_step", memory.prediction_step);
   visitor.number("prediction_error", memory.prediction_error);
   visitor.number("prediction_power", memory.prediction_power);

@@ -19,6 +19,9 @@ constexpr double below_rejected_step = 0.95;
 // The quotient of residuals grows with the step faster than it should where a mode is about to become unstable.
 constexpr double growth_with_another_iteration = 1.5;
 
+// Numbers of iterations that are worth the same would take turns otherwise, with steps too short for the one and too long for the other.
+constexpr double gain_worth_a_change = 1.05;
+
 // The estimate for the quadrature is an extrapolation, and 1/(2 s) is a small power.
 constexpr double safety_of_quadrature = 0.5;
 
@@ -45,6 +48,8 @@ DeferredCorrectionControl::Verdict DeferredCorrectionControl::finish(Verdict ver
   if (std::isnan(dt_new)) dt_new = accepted ? dt_ : 0.5 * dt_;
   if (accepted) {
     dt_next_ = std::min(dt_new, options_.max_growth * dt_);
+    memory_.iterations = verdict == Verdict::accept ? k_ : 0;
+    memory_.step = dt_;
     if (memory_.hold > 0) {
       --memory_.hold;
       dt_next_ = std::min(dt_next_, below_rejected_step * memory_.rejected_step);
@@ -123,14 +128,18 @@ DeferredCorrectionControl::Verdict DeferredCorrectionControl::judge(const Iterat
   if (!converges || zeta_ * dt_ >= 1.0) {
     if (!converges) error_ = iterate.residual;
     reason_ = "the corrections do not converge";
-    return finish(Verdict::reject, 0.5 * std::min(dt_, 1.0 / zeta_));
+    // A step whose prediction is good enough may be the longer one.
+    const bool published = options_.exponent == DeferredCorrectionOptions::Exponent::published;
+    return finish(Verdict::reject, std::max(0.5 * std::min(dt_, 1.0 / zeta_), published ? 0.0 : after_prediction()));
   }
   if (k_ >= k_allowed_) {
     reason_ = "the error estimate exceeds the tolerance after all iterations";
     return finish(Verdict::reject, proposed_step(iterate));
   }
-  // Section 5.1: what the remaining iterations can still bring.
-  if (options_.predict && std::pow(zeta_ * dt_, k_allowed_ - k_) * error_ > eta_) {
+  // Section 5.1: what the remaining iterations can still bring. As published the factor 1/(1 - r) of this iterate would stay, though r falls.
+  const double final_contraction = std::pow(zeta_ * dt_, k_allowed_ - k_) * contraction_;
+  const double r = options_.exponent == DeferredCorrectionOptions::Exponent::published ? contraction_ : final_contraction;
+  if (options_.predict && final_contraction / (1.0 - r) * iterate.distance > eta_) {
     reason_ = "the remaining iterations are not expected to reach the tolerance";
     return finish(Verdict::reject, proposed_step(iterate));
   }
@@ -164,21 +173,24 @@ double DeferredCorrectionControl::proposed_step(const Iterate& iterate) const {
 double DeferredCorrectionControl::by_best_iterations(double aim, double bracket, double convergent) const {
   double best = 0.0;
   double best_value = -1.0;
-  const int most = memory_.hold > 0 ? k_ : std::min(k_ + 1, options_.max_iterations);
+  // After a rejection the number with which the last step was good enough is the one to go back to.
+  const int more = memory_.hold > 0 ? k_ : k_ + 1;
+  const int most = std::min(error_ > eta_ ? std::max(more, memory_.iterations) : more, options_.max_iterations);
   for (int j = std::max(0, k_ - 1); j <= most; ++j) {
     double step = 0.0;
     if (j == 0) {
       step = after_prediction();
     } else {
       const double error = j == k_ ? aim / bracket
-                                   : (j < k_ ? estimates_[static_cast<std::size_t>(j)] : error_ * zeta_ * dt_);
+                                   : (j < k_ ? estimates_[static_cast<std::size_t>(j)] : error_ * std::pow(zeta_ * dt_, j - k_));
       step = dt_ * std::pow(aim / std::max(error, round_off_floor), 1.0 / (j + p_ + 1.0));
-      if (j > k_) step = std::min(step, growth_with_another_iteration * dt_);
+      if (j > k_) step = std::min(step, error_ > eta_ ? memory_.step : growth_with_another_iteration * dt_);
       step = std::min({step, convergent, limits_[static_cast<std::size_t>(j)] / rate_});
     }
     const double splitting_steps = options_.stages + std::max(j, 1) * (options_.stages - 1);
-    if (step / splitting_steps > best_value) {
-      best_value = step / splitting_steps;
+    const double value = step / splitting_steps * (j == k_ ? gain_worth_a_change : 1.0);
+    if (value > best_value) {
+      best_value = value;
       best = step;
     }
   }

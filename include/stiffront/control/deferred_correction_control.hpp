@@ -76,6 +76,8 @@ class DeferredCorrectionControl {
   struct Memory {
     int hold = 0;                   ///< accepted steps in which the step stays below rejected_step, with no more corrections than now
     double rejected_step = 0.0;
+    int iterations = 0;             ///< of the last accepted step
+    double step = 0.0;              ///< the last accepted one
     double prediction_step = 0.0;   ///< of the attempt whose prediction_error was measured
     double prediction_error = 0.0;  ///< e_0
     double prediction_power = 0.0;  ///< power of the step with which e_0 was seen to grow; 0: not seen yet
