@@ -116,11 +116,11 @@ def table(title, rows, steps, iterations, key="error"):
         print(f"  {step:8.2e}" + "".join("          -" if math.isnan(v) else f" {v:10.3e}" for v in values), flush=True)
 
 
-def orders(rows, steps, iterations):
-    """Between the two smallest steps whose errors are above those of the references."""
+def orders(rows, steps, iterations, floor):
+    """Between the two smallest steps whose errors are above those of the reference."""
     seen = []
     for k in iterations:
-        pair = sorted(step for step in steps if number(rows[step, k]["error"]) > 1e-10)[:2]
+        pair = sorted(step for step in steps if number(rows[step, k]["error"]) > floor)[:2]
         seen.append(math.log(rows[pair[1], k]["error"] / rows[pair[0], k]["error"]) / math.log(pair[1] / pair[0]) if len(pair) == 2 else math.nan)
     print("     order" + "".join("          -" if math.isnan(o) else f" {o:10.2f}" for o in seen), flush=True)
 
@@ -175,7 +175,7 @@ def errors_of(program, name, splitting, iterations, power):
     table(f"{splitting}: local errors", local, local_steps, iterations)
     whole = program.study(name + "-global", "global", global_steps, iterations, splitting)
     table(f"{splitting}: global errors; -: refused, beyond the limit of stability", whole, global_steps, iterations)
-    orders(whole, global_steps, iterations)
+    orders(whole, global_steps, iterations, 1e-12)
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.5), layout="constrained")
     draw_errors(left, local, local_steps, iterations)
     logarithmic(left, "Δt", "relative error", f"{splitting}: one step from t = 0.5")
@@ -393,7 +393,7 @@ def variations(program):
                     by_reference.append({(row["step"], int(row["variant"][2:])): row for row in json.load(f)["rows"]})
             rows, others = by_reference
             table(f"{name}, {splitting}: global errors", rows, steps, iterations)
-            orders(rows, steps, iterations)
+            orders(rows, steps, iterations, 3e-11)
             apart = max(abs(number(rows[key]["error"]) - number(others[key]["error"])) for key in rows if not math.isnan(number(rows[key]["error"])))
             print(f"  by the other reference (sdc) the errors differ by at most {apart:.1e}", flush=True)
 

@@ -23,6 +23,9 @@ namespace {
 // A correction of a fixed step that is not smaller than the first one shows divergence once it is so large, relative to the solution.
 constexpr double visible_divergence = 1e-3;
 
+// A single correction that changes the prediction by as much as this corrects nothing.
+constexpr double worthless_correction = 0.5;
+
 // Modes that oscillate leave the stable region before the ones that decay, but none at so small a |z|.
 constexpr double stable_everywhere = 2.0;
 
@@ -186,7 +189,8 @@ Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, s
     if (k == options_.iterations) norm_.add_difference(v_.back(), *last_, last_correction, agreement);
   }
   swap(u_new, v_.back());
-  norm_.add_scale(u_new, agreement);
+  // A single correction is measured by the prediction: where it is worthless the result may be large.
+  norm_.add_scale(options_.iterations == 1 ? *last_ : u_new, agreement);
   agreement.maxima.push_back(rhs_->reaction().jacobian_bound(t + dt, u_new, free_));
   agreement.flags = flags | inspect(u_new, free_);
   if (a.failure) agreement.flags |= step_flags::cell_failed;
@@ -200,6 +204,13 @@ Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, s
   const double rate = std::max(rate_, rhs_->diffusion().spectral_radius());
   if (!a.accepted && rate * dt > limit) refuse_step(t, dt, rate);
   const double last = norm_.value(last_correction, agreement);
+  // One correction is stable with every step, which does not make it one.
+  if (options_.iterations == 1 && last > worthless_correction && rate * dt > stable_everywhere) {
+    throw Error(ErrorKind::numerics,
+                fmt::format("method.step: the correction with the step {:.6g} (t = {:.6g}) is {:.2g} of the prediction: a single one has no limit of stability, but "
+                            "here, |z| = {:.3g}, it is far from improving anything; use a smaller step, no iterations or method.tolerance",
+                            dt, t, last, rate * dt));
+  }
   const bool grows = options_.iterations > 1 && last > visible_divergence && !(last < norm_.value(first_correction, agreement));
   if ((grows || !a.accepted) && rate * dt > stable_everywhere) {
     throw Error(ErrorKind::numerics,
