@@ -68,6 +68,8 @@ class AdaptiveStrangVariant : public ::testing::TestWithParam<Variant> {
     Schedule schedule;
     schedule.end = c.time.end;
     schedule.breakpoints = c.time.breakpoints;
+    schedule.restart_period = c.time.restart_step.period;
+    schedule.restart_step = c.time.restart_step.step;
     Progress progress;
     Observer nobody;
     EXPECT_TRUE(evolve(stack.method(), schedule, problem.state, progress, nobody));
@@ -128,6 +130,12 @@ INSTANTIATE_TEST_SUITE_P(
         Variant{"flame", "flame-1d", {"model.parameters.Ze=8.0", "grid.points=[201]", "time.end=3.0"}},
         Variant{"switched_source", "pulse-1d",
                 {"model.parameters.on=0.17", "model.parameters.off=0.41", "time.breakpoints=[0.17, 0.41]", "time.end=0.8"}},
+        Variant{"discharge_in_a_weaker_field", "discharge-1d",
+                {"model.parameters.field=3e4", "grid.points=[201]", "grid.upper=[0.1]", "time.end=1.01e-6", "time.breakpoints=[1e-8]",
+                 "output.times=[1.01e-6]"}},
+        Variant{"discharge_in_a_stronger_field_by_other_pulses", "discharge-1d",
+                {"model.parameters={ field = 5e4, period = 3.7e-7, pulse = 4e-9 }", "grid.points=[201]", "grid.upper=[0.1]", "time.end=6e-7",
+                 "time.breakpoints=[4e-9, 3.74e-7]", "time.restart_step={ period = 3.7e-7, step = 4e-9 }", "output.times=[6e-7]"}},
         Variant{"brusselator_in_the_plane", "brusselator-2d", {"grid.points=[24, 24]", "time.end=1.0"}},
         Variant{"bz_in_the_plane", "bz-2d-spiral", {"grid.points=[24, 24]", "time.end=0.02"}}),
     [](const auto& info) { return std::string(info.param.name); });
