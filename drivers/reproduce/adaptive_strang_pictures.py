@@ -139,7 +139,7 @@ def variants(numbers, out):
     """Errors at the end in tolerances, kept and not kept."""
     names = list(dict.fromkeys(r["variant"] for r in numbers))
     figure, axes = plt.subplots(figsize=(9, 0.32 * len(names) + 1.8))
-    for marker, eta in zip("osd", sorted({r["eta"] for r in numbers}, reverse=True)):
+    for marker, eta in zip("osd^", sorted({r["eta"] for r in numbers}, reverse=True)):
         rows = [r for r in numbers if r["eta"] == eta]
         where = [names.index(r["variant"]) for r in rows]
         axes.plot([r["kept"] for r in rows], where, marker, color=COLOURS[0], ms=5, label=f"eta = {eta:g}")

@@ -93,7 +93,8 @@ void CoarseCompanion::learn(double difference, bool all_well, double c0) {
   }
   error_ = difference / (std::max(coarse_cubes_ / fine_cubes_, least_ratio) - 1.0);
   const double growth_seen = (error_ - marks_[0].error) / (fine_cubes_ - marks_[0].cubes);
-  const double limit = limit_from(c0 > 0.0 ? std::min(growth_seen, c0) : growth_seen);
+  // What grows faster than local errors can add up is old errors. The faster, the less the step has to do with it.
+  const double limit = limit_from(c0 > 0.0 && growth_seen > c0 ? c0 * c0 / growth_seen : growth_seen);
   const double reach = std::min((limited_ ? growth : early_growth) * limit_, t_end_ - t_begin_);
   if (limit < reach) limited_ = true;
   limit_ = std::min(limit, reach);

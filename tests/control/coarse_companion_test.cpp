@@ -85,9 +85,21 @@ TEST(CoarseCompanion, AnErrorThatIsMadeAtOnceAndStaysCostsNoSteps) {
   EXPECT_LT(r.steps, 1.05 / h);
 }
 
+TEST(CoarseCompanion, GrowthOfOldErrorsCostsNotManySteps) {
+  // Made at once, and grown to most of the budget in the first half of the run whatever the steps are.
+  const double h = 1e-3;
+  double t = 0.0;
+  const Outcome r = spend(h, 20.0 / (h * h), [&](double, double step) {
+    t += step;
+    return t < 0.01 ? 25.0 * step : t < 0.5 ? 1.2 * step : 0.0;
+  });
+  EXPECT_LT(r.error, 0.9);
+  EXPECT_LT(r.steps, 3.6 / h);
+}
+
 TEST(CoarseCompanion, ErrorsThatArePartOfTheBudgetLeaveTheStepAlone) {
   const double h = 1e-3;
-  const Outcome r = spend(h, 10.0 / (h * h), [&](double, double step) { return 0.8 / (h * h) * step * step * step; });
+  const Outcome r = spend(h, 20.0 / (h * h), [&](double, double step) { return 0.8 / (h * h) * step * step * step; });
   EXPECT_LT(r.steps, 1.1 / h);
 }
 
