@@ -116,10 +116,9 @@ def steps_as_json(history, case):
     for column in ["time", *COLUMNS]:
         if column in history and (column == "time" or plot.varies(history, column)):
             data[column] = [float(f"{history[column][i]:.6g}") if math.isfinite(history[column][i]) else None for i in index]
-    labels = {"time": "time t", **{k: v for k, v in COLUMNS.items() if k in data}}
-    labels = {column: plot.with_unit(label, case) for column, label in labels.items()}
+    labels = {column: plot.with_unit(label, case) for column, label in COLUMNS.items() if column in data}
     # A unit must not end the script element.
-    return json.dumps({"columns": labels, "data": data, "total": len(history["time"])}, separators=(",", ":"),
+    return json.dumps({"time": plot.with_unit("time t", case), "columns": labels, "data": data, "total": len(history["time"])}, separators=(",", ":"),
                       allow_nan=False).replace("<", "\\u003c")
 
 
