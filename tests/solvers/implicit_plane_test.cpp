@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "stiffront/mesh/halo_exchange.hpp"
 #include "stiffront/solvers/implicit_part.hpp"
@@ -118,6 +119,35 @@ TEST(ImplicitPlaneTest, StretchedCellsAreCoarsenedInTheStrongDirectionOnly) {
     EXPECT_LE(system.solve(0.01, 1.0, 1e-8, solution), 20);
     EXPECT_LE(system.residual(0.01, 1.0, solution), 1e-8 * 4e4);  // the norm of the matrix is above 4e4
   }
+}
+
+TEST(ImplicitPlaneTest, NextToSubCellsItIsTheOperatorOfOneDimension) {
+  // What does not vary along y is solved as on a line, where the system is assembled from the distances between points.
+  const Grid plane = testing::unit_grid_of_order(8, 30, 9, testing::dirichlet, testing::neumann);
+  const Grid line = testing::unit_grid_of_order(8, 30, 0, testing::dirichlet);
+  const Communicator self(MPI_COMM_SELF);
+  const ModelKernelsOf<Coupled> model({});
+  const auto solve = [&](const Grid& grid) {
+    const Decomposition decomposition(self, grid, {0, 0}, 4);
+    const Boundary boundary(testing::boundary_of(testing::dirichlet, testing::neumann, 2, testing::zero));
+    const DiffusionOperator diffusion(grid, boundary, {3.0, 0.4}, 8);
+    Field at(decomposition, 2, 4);
+    Field b = at.similar();
+    for (int s = 0; s < 2; ++s) {
+      for (int j = 0; j < b.n_y(); ++j) {
+        for (int i = 0; i < b.n_x(); ++i) at.at(s, i, j) = scatter(i, 0, s), b.at(s, i, j) = scatter(i, 0, s + 7) - 0.3;
+      }
+    }
+    const auto part = grid.dimension == 2 ? make_multigrid_part(b, diffusion, model, {true, 2.0}, 1e-12)
+                                          : make_block_tridiagonal_part(b, diffusion, model, {true, 2.0});
+    Work work;
+    part->solve(0.0, 0.02, at, b, work);
+    return std::vector<double>(b.row(0, 0), b.row(0, 0) + b.n_x());
+  };
+  const std::vector<double> on_the_line = solve(line);
+  const std::vector<double> in_the_plane = solve(plane);
+  ASSERT_EQ(on_the_line.size(), in_the_plane.size());
+  for (std::size_t i = 0; i < on_the_line.size(); ++i) EXPECT_NEAR(in_the_plane[i], on_the_line[i], 1e-10) << i;
 }
 
 TEST(ImplicitPlaneTest, ChangesThatAreRoundOffAreNotIteratedOn) {
