@@ -90,6 +90,15 @@ def field_files(folder):
     return [os.path.join(folder, name) for _, _, name in sorted(found)]
 
 
+def apart(numbers, distance):
+    """Those of increasing numbers that are at least so far from the one kept before."""
+    kept = numbers[:1]
+    for value in numbers[1:]:
+        if value - kept[-1] >= distance:
+            kept.append(value)
+    return kept
+
+
 def evenly(items, count):
     """At most count of the items, the first and the last among them."""
     if len(items) <= count:
@@ -390,7 +399,8 @@ def draw_fields_1d(figure, paths, species):
     if len(shown) > 1:
         bar = figure.colorbar(ScalarMappable(norm, MAP), ax=list(panels[:, 0]), location="top", aspect=40, shrink=0.9)
         bar.set_label("t")
-        bar.set_ticks([state.time for state in shown], labels=[f"{state.time:.3g}" for state in shown])
+        times = apart([state.time for state in shown], 0.12 * (norm.vmax - norm.vmin))
+        bar.set_ticks(times, labels=[f"{time:.3g}" for time in times])
     else:
         panels[0, 0].set_title(f"t = {shown[0].time:.4g}", fontsize="small")
 

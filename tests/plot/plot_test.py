@@ -101,6 +101,9 @@ class PlotTest(unittest.TestCase):
         self.assertGreater(pixels.shape[1], 1000)
         self.assertGreater(np.mean(np.any(pixels[..., :3] < 0.9, axis=2)), 0.005)
 
+    def test_labels_of_times_next_to_each_other_do_not_overlap(self):
+        self.assertEqual(plot.apart([0.0, 0.01, 0.5, 0.51, 1.0], 0.12), [0.0, 0.5, 1.0])
+
     def test_one_dimension_shows_species_times_steps_and_tolerance(self):
         write_1d(self.folder)
         write_history(self.folder)
