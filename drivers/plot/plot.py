@@ -457,6 +457,19 @@ class Results:
         self.title = self.case.get("title", "")
 
 
+def with_unit(label, case):
+    """The label of an axis; one that is the name of a quantity gets its unit."""
+    quantity = {"y": "x", "step size Δt": "t", "time t": "t"}.get(label, label)
+    unit = case.get("model", {}).get("units", {}).get(quantity)
+    return f"{label} [{unit}]" if unit else label
+
+
+def add_units(figure, case):
+    for axes in figure.get_axes():
+        for get, put in ((axes.get_xlabel, axes.set_xlabel), (axes.get_ylabel, axes.set_ylabel)):
+            put(with_unit(get(), case))
+
+
 def save(figure, target):
     try:
         figure.savefig(target, dpi=150)
@@ -498,6 +511,7 @@ def draw(folder, asked, target):
     draw_fields(upper, results)
     if results.title:
         figure.suptitle(results.title)
+    add_units(figure, results.case)
     save(figure, target)
 
 
@@ -533,6 +547,7 @@ def animate(folder, asked, target, most_frames=200, frames_per_second=12):
             place.set_title(name, fontsize="small")
             figure.colorbar(image, ax=place, shrink=0.85)
             drawn.append(image)
+    add_units(figure, results.case)
     clock = figure.suptitle("t = 0")
 
     def show(index):

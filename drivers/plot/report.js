@@ -2,9 +2,9 @@
 // The plot of the steps: choose what is shown, drag over a range to look into it, double-click to see all again, point at a step for its numbers.
 (() => {
   "use strict";
-  const { columns, data, total } = JSON.parse(document.getElementById("history").textContent);
+  const { time, columns, data, total } = JSON.parse(document.getElementById("history").textContent);
   const host = document.getElementById("steps");
-  const names = { time: "time t", attempt: "number of the attempt", ...columns };
+  const names = { time, attempt: "number of the attempt", ...columns };
   const width = 1040, height = 380, left = 78, right = 16, top = 14, bottom = 46;
   const accepted = "#0072B2", rejected = "#D55E00", faint = "#DDDDDD";
   const state = { x: "time", y: "dt", log: true, range: null };

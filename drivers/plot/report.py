@@ -69,6 +69,7 @@ def picture(figure, words):
 def fields_picture(results):
     figure = plot.plt.figure(figsize=plot.size_of_fields(results), layout="constrained")
     plot.draw_fields(figure, results)
+    plot.add_units(figure, results.case)
     words = "Profiles, and profiles stacked in time" if results.dimension == 1 else "Maps at several times"
     return picture(figure, words)
 
@@ -77,6 +78,7 @@ def history_picture(results):
     panels = plot.history_panels(results.history, results.case, results.summary)
     figure = plot.plt.figure(figsize=(10.0, 2.8 * ((len(panels) + 1) // 2)), layout="constrained")
     plot.draw_history(figure, panels)
+    plot.add_units(figure, results.case)
     return picture(figure, "Step sizes, errors and costs")
 
 
@@ -108,15 +110,16 @@ def chosen_steps(history):
     return sorted(chosen)
 
 
-def steps_as_json(history):
+def steps_as_json(history, case):
     index = chosen_steps(history)
     data = {"accepted": [bool(history["accepted"][i]) for i in index], "attempt": index}
     for column in ["time", *COLUMNS]:
         if column in history and (column == "time" or plot.varies(history, column)):
             data[column] = [float(f"{history[column][i]:.6g}") if math.isfinite(history[column][i]) else None for i in index]
-    # "<" cannot end the script element from inside a JSON number or name, and there is no other text in it.
-    return json.dumps({"columns": {k: v for k, v in COLUMNS.items() if k in data}, "data": data, "total": len(history["time"])},
-                      separators=(",", ":"), allow_nan=False)
+    labels = {column: plot.with_unit(label, case) for column, label in COLUMNS.items() if column in data}
+    # A unit must not end the script element.
+    return json.dumps({"time": plot.with_unit("time t", case), "columns": labels, "data": data, "total": len(history["time"])}, separators=(",", ":"),
+                      allow_nan=False).replace("<", "\\u003c")
 
 
 def key_facts(results):
@@ -169,7 +172,7 @@ def report(folder, asked):
     if results.history:
         parts += ["<h2>Steps</h2>", '<div id="steps"><noscript>The plot of the steps needs JavaScript.</noscript></div>', history_picture(results)]
         with open(os.path.join(HERE, "report.js")) as file:
-            script = f'<script type="application/json" id="history">{steps_as_json(results.history)}</script>\n<script>\n{file.read()}</script>'
+            script = f'<script type="application/json" id="history">{steps_as_json(results.history, results.case)}</script>\n<script>\n{file.read()}</script>'
     parts += ["<h2>Account</h2>", tables(results), "<h2>The case</h2>",
               f"<details open><summary>every entry, defaults included</summary><pre>{text(results.case_text)}</pre></details>"]
     with open(os.path.join(HERE, "report.css")) as file:

@@ -16,7 +16,7 @@ window      error at the end of [0, 1] for tolerances 1e-4 ... 1e-12, and reject
 rules       what is paid for a tolerance with the exponents the errors have and with those of the paper, on the built-in lines
 variations  global errors of other kinetics, parameters and dimensions, and how far two references are apart
 
-What the numbers should be is in docs/dcs.md. All of it takes ten minutes. Needs numpy, h5py and matplotlib.
+What the numbers should be is in docs/dcs.md. All of it takes twenty minutes. Needs numpy, h5py and matplotlib.
 """
 import argparse
 import csv

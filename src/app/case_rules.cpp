@@ -171,11 +171,22 @@ class Completion {
       registered_model();
     }
     check_species_names("model.diffusion", model.diffusion);
+    units();
     diffusion_coefficients();
     in_order_of_species(model.diffusion, [this](std::size_t s) {
       return Value(description_ == nullptr ? 0.0 : description_->diffusion[s]);
     });
     if (model.is_custom()) compile_custom_model();
+  }
+
+  void units() const {
+    std::vector<std::string> allowed{"x", "t"};
+    allowed.insert(allowed.end(), c_.model.species.begin(), c_.model.species.end());
+    for (const auto& [name, unit] : c_.model.units) {
+      if (!contains(allowed, name)) {
+        fail("model.units." + name, "unknown quantity" + with_allowed(suggestion(name, allowed), " for model " + c_.model.name, allowed));
+      }
+    }
   }
 
   /// The value must be an expression of these variables and the parameters.

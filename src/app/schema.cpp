@@ -161,6 +161,19 @@ Key reactions_key() {
   return key;
 }
 
+Key units_key() {
+  Key key("model.units", "a table of names in quotation marks",
+          "units of x (and y), t and the species, as in { x = \"cm\", t = \"s\" }: pictures show them, nothing is converted");
+  key.default_note = "none";
+  key.read = [words = key.expected](Case& c, const ConfigNode& node, const std::string& path) {
+    c.model.units = read_entries(node, path, words, [](const ConfigNode& n, const std::string& at) {
+      return read_string(n, at, "a unit in quotation marks");
+    });
+  };
+  key.write = [](const Case& c) { return entries_text(c.model.units); };
+  return key;
+}
+
 std::vector<Key> model_keys() {
   Key species =
       with_default(names("model.species", STIFFRONT_OPTION(model.species), "custom only: names of the species"),
@@ -174,6 +187,7 @@ std::vector<Key> model_keys() {
       diffusion_key(),
       reaction_key(),
       reactions_key(),
+      units_key(),
   };
 }
 

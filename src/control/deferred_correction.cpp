@@ -20,10 +20,10 @@
 namespace stiffront {
 namespace {
 
-// A correction of a fixed step that is not smaller than the first one shows divergence once it is so large, relative to the solution.
+// A correction of a fixed step that is not smaller than the first one shows divergence once it is so large, relative to the prediction.
 constexpr double visible_divergence = 1e-3;
 
-// A single correction that changes the prediction by as much as this corrects nothing.
+// A correction that changes the prediction by as much as this corrects nothing.
 constexpr double worthless_correction = 0.5;
 
 // Modes that oscillate leave the stable region before the ones that decay, but none at so small a |z|.
@@ -184,13 +184,14 @@ Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, s
   for (int k = 1; k <= options_.iterations; ++k) {
     evaluate_right_hand_sides(t, dt, a);
     last_->copy_interior(v_.back());
+    // Corrections are measured by the prediction: where they are worthless the result may be large.
+    if (k == 1) norm_.add_scale(*last_, agreement);
     correct(t, dt, u, a);
     if (k == 1) norm_.add_difference(v_.back(), *last_, first_correction, agreement);
     if (k == options_.iterations) norm_.add_difference(v_.back(), *last_, last_correction, agreement);
   }
   swap(u_new, v_.back());
-  // A single correction is measured by the prediction: where it is worthless the result may be large.
-  norm_.add_scale(options_.iterations == 1 ? *last_ : u_new, agreement);
+  if (options_.iterations == 0) norm_.add_scale(u_new, agreement);
   agreement.maxima.push_back(rhs_->reaction().jacobian_bound(t + dt, u_new, free_));
   agreement.flags = flags | inspect(u_new, free_);
   if (a.failure) agreement.flags |= step_flags::cell_failed;
@@ -211,12 +212,13 @@ Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, s
                             "here, |z| = {:.3g}, it is far from improving anything; use a smaller step, no iterations or method.tolerance",
                             dt, t, last, rate * dt));
   }
-  const bool grows = options_.iterations > 1 && last > visible_divergence && !(last < norm_.value(first_correction, agreement));
+  const bool grows = options_.iterations > 1 && last > visible_divergence &&
+                     (last > worthless_correction || !(last < norm_.value(first_correction, agreement)));
   if ((grows || !a.accepted) && rate * dt > stable_everywhere) {
     throw Error(ErrorKind::numerics,
                 fmt::format("method.step: {} corrections with the step {:.6g} diverge (t = {:.6g}): {}; their limit of stability is |z| = {:.1f} where modes "
                             "decay and less where they oscillate, and here |z| = {:.3g}; use a smaller step, fewer iterations or method.tolerance",
-                            options_.iterations, dt, t, a.accepted ? fmt::format("the last one is {:.2g} of the solution", last) : a.reason, limit,
+                            options_.iterations, dt, t, a.accepted ? fmt::format("the last one is {:.2g} of the prediction", last) : a.reason, limit,
                             rate * dt));
   }
   return a;

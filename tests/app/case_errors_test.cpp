@@ -196,6 +196,7 @@ INSTANTIATE_TEST_SUITE_P(
         Rule{{"model.name=bzz"}, "model.name: unknown model \"bzz\"; did you mean bz? Allowed: bz, kpp, custom"},
         Rule{{"model.parameters.eps=1"},
              "model.parameters.eps: unknown parameter; allowed for model bz: epsilon, mu, f, q"},
+        Rule{{"model.units.bb=\"M\""}, "model.units.bb: unknown quantity; did you mean b? Allowed for model bz: x, t, a, b, c"},
         Rule{{"model.parameters.epsilo=1"},
              "model.parameters.epsilo: unknown parameter; did you mean epsilon? Allowed for model bz: epsilon, mu, f, "
              "q"},

@@ -200,5 +200,27 @@ TEST_F(DeferredCorrectionTest, OscillatingModesThatDivergeWithinTheLimitOfDecayi
   EXPECT_THROW(evolve(method, schedule, u, progress, nobody), Error);
 }
 
+TEST_F(DeferredCorrectionTest, CorrectionsLargerThanTheSolutionAreAnErrorAlsoIfTheyShrink) {
+  // Two corrections of a mode that turns by 32: within the limit of modes that decay, 54, the second one is smaller, and both are hundreds of solutions.
+  ModelRegistry registry;
+  register_builtin_models(registry);
+  const auto turning = registry.make("dahlquist", {});
+  const DiffusionOperator diffusion(decomposition_.grid(), boundary_, {0.0, 0.0}, 2);
+  CoupledRhs rhs(decomposition_, diffusion, *turning);
+  Field u(decomposition_, 2, 1);
+  turning->initialise("dahlquist-uniform", u);
+  ReactionFlow reaction(decomposition_, boundary_, turning->make_radau5({1e-8, {1e-8, 1e-8}}));
+  Rock4 rock4(decomposition_, diffusion, {1e-8, {1e-8, 1e-8}});
+  DeferredCorrectionOptions o;
+  o.fixed_step = 5.1;
+  o.iterations = 2;
+  DeferredCorrection method(u, rhs, reaction, rock4, o);
+  Schedule schedule;
+  schedule.end = 5.1;
+  Progress progress;
+  Observer nobody;
+  EXPECT_THROW(evolve(method, schedule, u, progress, nobody), Error);
+}
+
 }  // namespace
 }  // namespace stiffront

@@ -90,6 +90,16 @@ class PlotTest(unittest.TestCase):
         with open(target) as file:
             return file.read()
 
+    def test_axes_name_the_units_of_the_case(self):
+        x = np.linspace(0.0, 1.0, 11)
+        for step in range(3):
+            write_state(self.folder, step, float(step), {"u": x, "v": x}, x, case='[model]\nunits = { x = "cm", t = "s", u = "<mM>" }\n')
+        write_history(self.folder)
+        text = self.svg()
+        for label in ("x [cm]", "t [s]", "u [&lt;mM&gt;]", "step size Δt [s]"):
+            self.assertIn(label, text)
+        self.assertNotIn("v [", text)
+
     def test_default_picture_is_a_png_in_the_folder_with_something_drawn(self):
         write_1d(self.folder)
         write_history(self.folder)

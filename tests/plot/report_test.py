@@ -126,8 +126,11 @@ class ReportTest(unittest.TestCase):
     def test_nothing_in_a_title_becomes_markup(self):
         x = np.linspace(0.0, 1.0, 11)
         for step in (0, 1):
-            results.write_state(self.folder, step, float(step), {"u": x}, x, case='title = "<script>alert(1)</script>"\n')
-        self.assertNotIn("<script>alert", self.report())
+            results.write_state(self.folder, step, float(step), {"u": x}, x, case='title = "<script>alert(1)</script>"\n[model]\nunits = { t = "</script>" }\n')
+        results.write_history(self.folder)
+        page = self.report()
+        self.assertNotIn("<script>alert", page)
+        self.assertEqual(page.count("</script>"), 2)
 
     def test_a_folder_without_results_is_an_input_output_error(self):
         with contextlib.redirect_stderr(io.StringIO()):

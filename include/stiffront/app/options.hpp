@@ -85,6 +85,7 @@ struct ModelOptions {
   NamedList<Value> diffusion;              ///< one entry per species, in the order of `species`
   NamedList<std::string> reaction;         ///< custom: expressions; without `reactions` one per species, in their order
   std::vector<ReactionOptions> reactions;  ///< custom: a reaction network, added to `reaction`
+  NamedList<std::string> units;            ///< of x, t and species, for pictures; those not named have none
 
   bool is_custom() const { return name == "custom"; }
   bool operator==(const ModelOptions&) const = default;
