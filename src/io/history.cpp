@@ -31,7 +31,6 @@ void History::add(const StepRecord& record, double wall_seconds) {
   records_.push_back(record);
   records_.back().attempt.failure.reset();
   wall_seconds_.push_back(wall_seconds);
-  if (records_.size() >= batch) flush();
 }
 
 void History::flush() {

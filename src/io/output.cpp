@@ -43,6 +43,13 @@ void Output::resume(std::int64_t accepted) {
   });
 }
 
+void Output::attempted(const StepRecord& record, double seconds) {
+  history_.add(record, seconds);
+  if (!history_.is_full()) return;
+  const ScopedTimer timer(seconds_);
+  history_.flush();
+}
+
 int Output::stepped(const StepRecord& record, double t_new, Field& u, Field& u_new) {
   const std::int64_t step = record.step + 1;
   probes_.add(step, t_new, u_new);

@@ -52,12 +52,16 @@ TEST_F(HistoryTest, HasTheColumnsOfTheInterfaceAndOneLinePerAttempt) {
   EXPECT_EQ(content_of(path_), header + "0,0,0.1,0.25,0,3,0.05,2,14,1000,0.5\n0,0,0.1,0.25,1,3,0.05,2,14,1000,0.25\n");
 }
 
-TEST_F(HistoryTest, LinesAreWrittenInBatchesWithoutBeingAskedFor) {
+TEST_F(HistoryTest, LinesAreKeptBackUntilTheyAreABatch) {
   History history(comm_, path_);
   history.begin();
   for (int n = 0; n < 63; ++n) history.add(record(n, true), 0.0);
-  EXPECT_EQ(lines(), 1);
+  EXPECT_FALSE(history.is_full());
   history.add(record(63, true), 0.0);
+  EXPECT_TRUE(history.is_full());
+  EXPECT_EQ(lines(), 1);
+  history.flush();
+  EXPECT_FALSE(history.is_full());
   EXPECT_EQ(lines(), 65);
 }
 

@@ -24,8 +24,10 @@ class History {
   /// Goes on with an existing file: drops what was written after `accepted` steps. @mpi collective.
   void resume(std::int64_t accepted);
 
-  /// @mpi collective: every rank adds the same attempts; one in 64 flushes.
+  /// Every rank adds the same attempts.
   void add(const StepRecord& record, double wall_seconds);
+  /// Whether so many lines are kept back that they should be written.
+  bool is_full() const { return records_.size() >= batch; }
   /// @throws Error(io) on every rank. @mpi collective.
   void flush();
 

@@ -41,7 +41,7 @@ class Output {
   void resume(std::int64_t accepted);
 
   /// To be called by an Observer: after an attempt, with the seconds it took, and before an accepted step is taken.
-  void attempted(const StepRecord& record, double seconds) { history_.add(record, seconds); }
+  void attempted(const StepRecord& record, double seconds);
   /// @return how many states were written.
   int stepped(const StepRecord& record, double t_new, Field& u, Field& u_new);
 
