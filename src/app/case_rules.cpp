@@ -61,8 +61,8 @@ class Completion {
     boundary();
     initial();
     time();
+    transport();  // before the method's own rules: what they ask for would not help
     std::visit([this](auto& options) { method(options); }, c_.method);
-    transport();
     textbook_solvers();
     output();
     if (c_.converge) converge(*c_.converge);

@@ -127,6 +127,7 @@ step = 0.1
   for (const char* method : {"method={ name = \"adaptive-strang\" }", "method={ name = \"dcs\", step = 0.1 }", "method={ name = \"sbdf\" }"}) {
     EXPECT_EQ(message({method}), "command line: method.name: " + goes_with);
   }
+  EXPECT_EQ(message({"method={ name = \"sbdf\" }", "space.order=8"}), "command line: method.name: " + goes_with);
   for (const char* method : {"method={ name = \"lie\", step = 0.1 }", "method={ name = \"strang\", step = 0.1 }"}) {
     EXPECT_EQ(message({method}), "drift.toml: diffusion_solver.name: " + goes_with);
     EXPECT_EQ(message({method, "diffusion_solver.name=crank-nicolson"}), "no error");
