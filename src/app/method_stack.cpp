@@ -72,11 +72,12 @@ double MethodStack::make_flows(const Case& c, Problem& problem, double finest_re
   if (c.reaction_solver.name == ReactionSolver::radau5) {
     solver = problem.model->make_radau5(cell);
   } else if (c.reaction_solver.name == ReactionSolver::trapezoidal) {
-    solver = make_trapezoidal_cells(problem.state, *problem.model, cell);
+    solver = make_trapezoidal_cells(*problem.model, cell);
   } else {
     solver = std::make_unique<CvodeCells>(*problem.model, cell);
   }
-  reaction_ = std::make_unique<ReactionFlow>(problem.decomposition, problem.boundary, std::move(solver));
+  reaction_ = std::make_unique<ReactionFlow>(problem.decomposition, problem.boundary, std::move(solver),
+                                             c.reaction_solver.balance == Balance::automatic);
   if (c.diffusion_solver.name == DiffusionSolver::crank_nicolson) {
     untimed_diffusion_ = std::make_unique<CrankNicolson>(problem.state, problem.rhs, diffusion_tolerance);
   } else {

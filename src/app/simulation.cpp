@@ -208,6 +208,23 @@ double imbalance(const Work& mine, const Work& all, const Communicator& comm) {
   return mean > 0.0 ? largest / mean : 1.0;
 }
 
+/// What balancing has done on all ranks, if there was any.
+std::optional<Summary::Balance> balance_of(MethodStack& stack, const Communicator& comm) {
+  const std::optional<BalanceCounts> mine = stack.balance();
+  if (!mine) return std::nullopt;
+  Summary::Balance b;
+  // Groups sample the whole domain, so that one stands for all; of several the worst.
+  const double mean = comm.max(mine->mean);
+  if (mean > 0.0) {
+    b.before = comm.max(mine->mean > 0.0 ? mine->largest_owned / mine->mean : 1.0);
+    b.after = comm.max(mine->mean > 0.0 ? mine->largest_done / mine->mean : 1.0);
+  }
+  b.messages = comm.sum(mine->messages_sent);
+  b.bytes = comm.sum(mine->bytes_sent);
+  b.cells = comm.sum(mine->cells_sent);
+  return b;
+}
+
 std::vector<std::pair<std::string, double>> slowest(const PhaseSeconds& mine, const Communicator& comm) {
   std::vector<std::pair<std::string, double>> seconds{{"diffusion", mine.diffusion},         {"reaction", mine.reaction},
                                                       {"quadrature", mine.quadrature},       {"communication", mine.communication},
@@ -285,7 +302,11 @@ void print_closing(const Summary& s, const std::string& directory) {
   for (const auto& [phase, seconds] : s.wall_seconds) {
     if (seconds > 0.0) fmt::print("  {:<14} {:>10.4f} s\n", phase, seconds);
   }
-  if (s.ranks > 1) fmt::print("  imbalance of the reaction {:.3f}\n", s.imbalance);
+  if (s.ranks > 1 && s.balance) {
+    fmt::print("  imbalance of the reaction {:.3f} before balancing, {:.3f} after\n", s.balance->before, s.balance->after);
+  } else if (s.ranks > 1) {
+    fmt::print("  imbalance of the reaction {:.3f}\n", s.imbalance);
+  }
   for (const std::string& line : s.advice) fmt::print("  - {}\n", line);
   fmt::print("checksum {}; results in {}\n", s.checksum, directory);
   std::fflush(stdout);
@@ -321,7 +342,7 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
 
   const double began = wall_seconds();
   const double output_before = output.seconds();
-  const double reducing_before = comm.seconds_reducing();
+  const Traffic traffic_before = comm.traffic();
   Summary summary;
   summary.status = "done";
   std::optional<Error> failure;
@@ -345,7 +366,8 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   PhaseSeconds phases;
   phases.output = output.seconds() - output_before;
   phases.total = wall_seconds() - began - phases.output;
-  phases.communication = comm.seconds_reducing() - reducing_before;
+  const Traffic traffic = comm.traffic();
+  phases.communication = traffic.seconds_waiting - traffic_before.seconds_waiting;
   stack.add_seconds(phases);
   progress_line.interrupt();
   output.flush();
@@ -369,7 +391,10 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   summary.checkpoints = memory.written;
   summary.restarted = restarts;
   summary.checksum = checksum(problem.state);
-  summary.allreduces = comm.reductions();
+  summary.allreduces = traffic.reductions - traffic_before.reductions;
+  summary.halo_messages = comm.sum(traffic.halo_messages - traffic_before.halo_messages);
+  summary.halo_bytes = comm.sum(traffic.halo_bytes - traffic_before.halo_bytes);
+  summary.balance = balance_of(stack, comm);
   summary.rank_work = work_of_each(memory.work, phases, comm);
   if (summary.status == "done") summary.advice = advice(c, summary, observer.errors, spatial_error(problem));
   collectively(comm, [&] {

@@ -121,21 +121,30 @@ T all_reduce(T x, MPI_Datatype type, MPI_Op op, MPI_Comm comm) {
 
 Communicator::Communicator(MPI_Comm comm) {
   check_mpi(MPI_Comm_dup(comm, &comm_), "MPI_Comm_dup");
+  measure();
+}
+
+Communicator Communicator::split(int colour) const {
+  Communicator part;
+  check_mpi(MPI_Comm_split(comm_, colour, rank_, &part.comm_), "MPI_Comm_split");
+  part.measure();
+  return part;
+}
+
+void Communicator::measure() {
   MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN);
   check_mpi(MPI_Comm_rank(comm_, &rank_), "MPI_Comm_rank");
   check_mpi(MPI_Comm_size(comm_, &size_), "MPI_Comm_size");
 }
 
 Communicator::Communicator(Communicator&& other) noexcept
-    : comm_(std::exchange(other.comm_, MPI_COMM_NULL)), rank_(other.rank_), size_(other.size_), reductions_(other.reductions_),
-      seconds_reducing_(other.seconds_reducing_) {}
+    : comm_(std::exchange(other.comm_, MPI_COMM_NULL)), rank_(other.rank_), size_(other.size_), traffic_(other.traffic_) {}
 
 Communicator& Communicator::operator=(Communicator&& other) noexcept {
   std::swap(comm_, other.comm_);
   rank_ = other.rank_;
   size_ = other.size_;
-  reductions_ = other.reductions_;
-  seconds_reducing_ = other.seconds_reducing_;
+  traffic_ = other.traffic_;
   return *this;
 }
 
@@ -148,12 +157,12 @@ Communicator::~Communicator() {
 }
 
 void Communicator::agree(Agreement& a) const {
-  ++reductions_;
+  ++traffic_.reductions;
   if (size_ == 1) {
     for (double& m : a.maxima) m = std::isnan(m) ? std::numeric_limits<double>::infinity() : m;
     return;
   }
-  const ScopedTimer reducing(seconds_reducing_);
+  const ScopedTimer reducing(traffic_.seconds_waiting);
   AgreementOperation& operation = AgreementOperation::instance();
   operation.ensure();
   // Kept from one agreement to the next: every step has one, and takes no memory for it.
@@ -167,17 +176,17 @@ void Communicator::agree(Agreement& a) const {
 }
 
 double Communicator::max(double x) const {
-  ++reductions_;
+  ++traffic_.reductions;
   return all_reduce(x, MPI_DOUBLE, MPI_MAX, comm_);
 }
 
 std::int64_t Communicator::max(std::int64_t x) const {
-  ++reductions_;
+  ++traffic_.reductions;
   return all_reduce(x, MPI_INT64_T, MPI_MAX, comm_);
 }
 
 std::int64_t Communicator::sum(std::int64_t x) const {
-  ++reductions_;
+  ++traffic_.reductions;
   return all_reduce(x, MPI_INT64_T, MPI_SUM, comm_);
 }
 

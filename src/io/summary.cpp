@@ -35,6 +35,8 @@ Json work(const Summary& s) {
   j["rhs_evaluations"] = w.rhs_evaluations;
   j["linear_iterations"] = w.linear_iterations;
   j["halo_exchanges"] = w.halo_exchanges;
+  j["halo_messages"] = s.halo_messages;
+  j["halo_bytes"] = s.halo_bytes;
   j["allreduces"] = s.allreduces;
   return j;
 }
@@ -75,6 +77,13 @@ std::string summary_json(const Summary& s) {
   for (const auto& [phase, seconds] : s.wall_seconds) j["wall_seconds"][phase] = number(seconds);
   j["ranks"] = s.ranks;
   j["imbalance"] = number(s.imbalance);
+  if (s.balance) {
+    j["balance"]["imbalance_before"] = number(s.balance->before);
+    j["balance"]["imbalance_after"] = number(s.balance->after);
+    j["balance"]["messages"] = s.balance->messages;
+    j["balance"]["bytes"] = s.balance->bytes;
+    j["balance"]["cells"] = s.balance->cells;
+  }
   j["rank_work"] = Json::array();
   for (const Summary::RankWork& w : s.rank_work) {
     Json rank;

@@ -146,18 +146,22 @@ void HaloExchange::begin(std::span<Field* const> fields) {
     if (fields[k]->halo() < widths_[k]) throw Error(ErrorKind::bug, "halo exchange wider than a field's halo");
   }
   open_.assign(fields.begin(), fields.end());
+  std::int64_t bytes = 0;
   for (Link& link : links_) {
     pack(link);
-    if (link.rank != decomposition_->comm().rank()) bytes_sent_ += static_cast<std::int64_t>(link.send.size() * sizeof(double));
+    if (link.rank != decomposition_->comm().rank()) bytes += static_cast<std::int64_t>(link.send.size() * sizeof(double));
   }
+  bytes_sent_ += bytes;
+  decomposition_->comm().count_halo(static_cast<int>(requests_.size() / 2), bytes);
   if (!requests_.empty()) check_mpi(MPI_Startall(static_cast<int>(requests_.size()), requests_.data()), "MPI_Startall");
   ++count_;
 }
 
 void HaloExchange::finish() {
   if (!requests_.empty()) {
-    const ScopedTimer waiting(seconds_waited_);
+    const double began = wall_seconds();
     check_mpi(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+    decomposition_->comm().count_waiting(wall_seconds() - began);
   }
   for (const Link& link : links_) {
     if (link.rank != decomposition_->comm().rank()) {

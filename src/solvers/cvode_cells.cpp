@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "stiffront/core/error.hpp"
 
@@ -59,8 +60,8 @@ class CvodeCells::Integrator {
     return CVode(memory_, dt, u_, &reached, CV_NORMAL);
   }
 
-  /// Adds the counts of the last call. @return its Newton iterations
-  long count(Work& work) const {
+  /// Adds the counts of the last call. @return its cost
+  double count(Work& work) const {
     long steps = 0, rhs = 0, newton = 0, jacobians = 0, error_failures = 0, newton_failures = 0;
     CVodeGetNumSteps(memory_, &steps);
     CVodeGetNumRhsEvals(memory_, &rhs);
@@ -73,7 +74,7 @@ class CvodeCells::Integrator {
     work.reaction_newton_iterations += newton;
     work.reaction_rhs += rhs;
     work.reaction_jacobians += jacobians;
-    return newton;
+    return static_cast<double>(newton) + attempt_cost * static_cast<double>(steps + error_failures + newton_failures);
   }
 
   /// Where and why the last call failed.
@@ -153,41 +154,43 @@ CvodeCells::CvodeCells(const ReactionTerm& term, const CellTolerances& tolerance
 
 CvodeCells::~CvodeCells() = default;
 
-std::optional<CellFailure> CvodeCells::advance(double t, double dt, const Field& from, Field& to, const FreeBox& box,
-                                               std::vector<double>&, std::vector<float>& cost, Work& work) {
-  const Decomposition& d = from.decomposition();
-  const Grid& grid = d.grid();
+void CvodeCells::begin(const Grid& grid, double t, double dt) {
+  grid_ = &grid;
+  t_ = t;
+  dt_ = dt;
+}
+
+void CvodeCells::run(const CellRun& cells) {
   const int m = integrator_->n_species();
-  std::optional<CellFailure> first;
-  for (int j = box.j_begin; j < box.j_end; ++j) {
-    for (int i = box.i_begin; i < box.i_end; ++i) {
-      const std::int64_t global_i = d.offset_x() + i;
-      const std::int64_t global_j = d.offset_y() + j;
-      const double x = grid.position(0, global_i);
-      const double y = grid.dimension == 2 ? grid.position(1, global_j) : 0.0;
-      double* u = integrator_->state();
-      for (int s = 0; s < m; ++s) u[s] = from.at(s, i, j);
-      const int flag = integrator_->advance(t, dt, x, y);
-      const auto cell = static_cast<std::size_t>(j) * static_cast<std::size_t>(from.n_x()) + static_cast<std::size_t>(i);
-      cost[cell] = static_cast<float>(integrator_->count(work));
-      if (flag >= 0) {
-        for (int s = 0; s < m; ++s) to.at(s, i, j) = u[s];
-        continue;
-      }
-      if (!first) {
-        first.emplace();
-        first->i = global_i;
-        first->j = global_j;
-        first->x = x;
-        first->y = y;
-        first->interval = dt;
-        for (int s = 0; s < m; ++s) first->state.push_back(from.at(s, i, j));
-        integrator_->describe(flag, *first);
-      }
-      for (int s = 0; s < m; ++s) to.at(s, i, j) = from.at(s, i, j);
+  const double y = grid_->dimension == 2 ? grid_->position(1, cells.j) : 0.0;
+  for (int k = 0; k < cells.n; ++k) {
+    const std::int64_t i = cells.i + k;
+    const double x = grid_->position(0, i);
+    double* u = integrator_->state();
+    for (int s = 0; s < m; ++s) u[s] = cells.from[s * cells.from_stride + k];
+    const int flag = integrator_->advance(t_, dt_, x, y);
+    cells.cost[k] = static_cast<float>(integrator_->count(work_));
+    if (flag >= 0) {
+      for (int s = 0; s < m; ++s) cells.to[s * cells.to_stride + k] = u[s];
+      continue;
     }
+    if (!first_ || cells.j < first_->j || (cells.j == first_->j && i < first_->i)) {
+      first_.emplace();
+      first_->i = i;
+      first_->j = cells.j;
+      first_->x = x;
+      first_->y = y;
+      first_->interval = dt_;
+      for (int s = 0; s < m; ++s) first_->state.push_back(cells.from[s * cells.from_stride + k]);
+      integrator_->describe(flag, *first_);
+    }
+    for (int s = 0; s < m; ++s) cells.to[s * cells.to_stride + k] = cells.from[s * cells.from_stride + k];
   }
-  return first;
+}
+
+std::optional<CellFailure> CvodeCells::finish(Work& work) {
+  work += std::exchange(work_, Work{});
+  return std::exchange(first_, std::nullopt);
 }
 
 }  // namespace stiffront

@@ -2,9 +2,10 @@
 #include "stiffront/solvers/trapezoidal_cells.hpp"
 
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "species_count.hpp"
-#include "stiffront/mesh/field_algebra.hpp"
 #include "stiffront/solvers/cell_solve.hpp"
 
 namespace stiffront {
@@ -15,110 +16,94 @@ constexpr int most_iterations = 50;
 template <int m>
 class TrapezoidalCells final : public ReactionSolver {
  public:
-  TrapezoidalCells(const Field& shape, const ReactionTerm& reaction, CellTolerances tolerances)
-      : reaction_(&reaction),
-        tolerances_(std::move(tolerances)),
-        base_(shape.decomposition(), m, 0),
-        value_(shape.decomposition(), m, 0),
-        rates_(shape.decomposition(), m, 0),
-        jacobian_(shape.decomposition(), m * m, 0) {}
+  TrapezoidalCells(const ReactionTerm& reaction, CellTolerances tolerances) : reaction_(&reaction), tolerances_(std::move(tolerances)) {}
 
-  std::optional<CellFailure> advance(double t, double dt, const Field& from, Field& to, const FreeBox& box, std::vector<double>&,
-                                     std::vector<float>& cost, Work& work) override {
-    const double h = 0.5 * dt;
-    value_.copy_interior(from);
-    rate(t, box);
-    for (int s = 0; s < m; ++s) {
-      for (int j = box.j_begin; j < box.j_end; ++j) {
-        for (int i = box.i_begin; i < box.i_end; ++i) base_.at(s, i, j) = value_.at(s, i, j) + h * rates_.at(s, i, j);
-      }
+  void begin(const Grid& grid, double t, double dt) override {
+    grid_ = &grid;
+    t_ = t;
+    dt_ = dt;
+  }
+
+  void run(const CellRun& cells) override {
+    const double y = grid_->dimension == 2 ? grid_->position(1, cells.j) : 0.0;
+    for (int k = 0; k < cells.n; ++k) {
+      const double x = grid_->position(0, cells.i + k);
+      double from[m];
+      double value[m];
+      for (int s = 0; s < m; ++s) value[s] = from[s] = cells.from[s * cells.from_stride + k];
+      const bool solved = step(x, y, value, cells.cost[k]);
+      if (!solved) note_failure(cells.i + k, cells.j, x, y, from);
+      for (int s = 0; s < m; ++s) cells.to[s * cells.to_stride + k] = solved ? value[s] : from[s];
     }
-    const auto cells = static_cast<std::int64_t>(box.i_end - box.i_begin) * (box.j_end - box.j_begin);
-    // 1: the cell still moves. Cells that have converged stay as they are, whatever becomes of the others.
-    moving_.assign(static_cast<std::size_t>(value_.n_x()) * static_cast<std::size_t>(value_.n_y()), 1);
-    bool all_done = false;
-    for (int iteration = 0; iteration < most_iterations && !all_done; ++iteration) {
-      rate(t + dt, box);
-      reaction_->jacobian(t + dt, value_, jacobian_, box);
-      work.reaction_jacobians += cells;
-      work.reaction_rhs += cells;
-      all_done = true;
-      for (int j = box.j_begin; j < box.j_end; ++j) {
-        for (int i = box.i_begin; i < box.i_end; ++i) {
-          const std::size_t cell = static_cast<std::size_t>(j) * static_cast<std::size_t>(value_.n_x()) + static_cast<std::size_t>(i);
-          if (moving_[cell] == 0) continue;
-          moving_[cell] = newton(h, i, j) ? 0 : 1;
-          all_done = all_done && moving_[cell] == 0;
-          cost[cell] = static_cast<float>(iteration + 1);
-          ++work.reaction_newton_iterations;
-        }
-      }
-    }
-    work.reaction_steps += cells;
-    std::optional<CellFailure> failure;
-    for (int j = box.j_begin; j < box.j_end; ++j) {
-      for (int i = box.i_begin; i < box.i_end; ++i) {
-        const std::size_t cell = static_cast<std::size_t>(j) * static_cast<std::size_t>(value_.n_x()) + static_cast<std::size_t>(i);
-        const bool solved = moving_[cell] == 0;
-        if (!solved && !failure) failure = failure_at(t, dt, from, i, j);
-        for (int s = 0; s < m; ++s) to.at(s, i, j) = solved ? value_.at(s, i, j) : from.at(s, i, j);
-      }
-    }
-    return failure;
+  }
+
+  std::optional<CellFailure> finish(Work& work) override {
+    work += std::exchange(work_, Work{});
+    return std::exchange(first_, std::nullopt);
   }
 
  private:
-  void rate(double t, const FreeBox& box) {
-    for (int s = 0; s < m; ++s) {
-      for (int j = box.j_begin; j < box.j_end; ++j) std::fill(rates_.row(s, j) + box.i_begin, rates_.row(s, j) + box.i_end, 0.0);
+  /// @return whether Newton's iteration converges; then the values are those at the end
+  bool step(double x, double y, double* value, float& cost) {
+    const double h = 0.5 * dt_;
+    double base[m];
+    double rates[m];
+    double jacobian[m * m];
+    reaction_->rates_at(t_, x, y, value, rates);
+    for (int s = 0; s < m; ++s) base[s] = value[s] + h * rates[s];
+    ++work_.reaction_steps;
+    for (int iteration = 1; iteration <= most_iterations; ++iteration) {
+      reaction_->rates_at(t_ + dt_, x, y, value, rates);
+      reaction_->jacobian_at(t_ + dt_, x, y, value, jacobian);
+      ++work_.reaction_rhs;
+      ++work_.reaction_jacobians;
+      ++work_.reaction_newton_iterations;
+      cost = static_cast<float>(iteration);
+      CellLu<double, m, true> lu;
+      double change[m];
+      for (int r = 0; r < m; ++r) {
+        change[r] = base[r] + h * rates[r] - value[r];
+        for (int c = 0; c < m; ++c) lu(r, c) = (r == c ? 1.0 : 0.0) - h * jacobian[r * m + c];
+      }
+      lu.factor();
+      lu.solve(change);
+      bool converged = true;
+      for (int r = 0; r < m; ++r) {
+        value[r] += change[r];
+        converged = converged && std::abs(change[r]) <= tolerances_.absolute[static_cast<std::size_t>(r)] + tolerances_.relative * std::abs(value[r]);
+      }
+      if (converged) return true;
     }
-    reaction_->add_rates(t, value_, rates_, box);
+    return false;
   }
 
-  /// @return whether the cell has converged
-  bool newton(double h, int i, int j) {
-    double x[m];
-    CellLu<double, m, true> lu;
-    for (int r = 0; r < m; ++r) {
-      x[r] = base_.at(r, i, j) + h * rates_.at(r, i, j) - value_.at(r, i, j);
-      for (int c = 0; c < m; ++c) lu(r, c) = (r == c ? 1.0 : 0.0) - h * jacobian_.at(r * m + c, i, j);
-    }
-    lu.factor();
-    lu.solve(x);
-    bool converged = true;
-    for (int r = 0; r < m; ++r) {
-      double& v = value_.at(r, i, j);
-      v += x[r];
-      converged = converged && std::abs(x[r]) <= tolerances_.absolute[static_cast<std::size_t>(r)] + tolerances_.relative * std::abs(v);
-    }
-    return converged;
-  }
-
-  CellFailure failure_at(double t, double dt, const Field& from, int i, int j) const {
-    const Decomposition& d = from.decomposition();
-    CellFailure f;
-    f.i = d.offset_x() + i;
-    f.j = d.offset_y() + j;
-    f.x = d.grid().position(0, f.i);
-    f.y = d.grid().dimension == 2 ? d.grid().position(1, f.j) : 0.0;
-    f.begin = f.t = t;
-    f.dt = f.interval = dt;
-    for (int s = 0; s < m; ++s) f.state.push_back(from.at(s, i, j));
-    f.reason = "Newton's iteration for the trapezoidal rule does not converge";
-    return f;
+  void note_failure(std::int64_t i, std::int64_t j, double x, double y, const double* state) {
+    if (first_ && std::pair(first_->j, first_->i) < std::pair(j, i)) return;
+    first_.emplace();
+    first_->i = i;
+    first_->j = j;
+    first_->x = x;
+    first_->y = y;
+    first_->begin = first_->t = t_;
+    first_->dt = first_->interval = dt_;
+    first_->state.assign(state, state + m);
+    first_->reason = "Newton's iteration for the trapezoidal rule does not converge";
   }
 
   const ReactionTerm* reaction_;
   CellTolerances tolerances_;
-  Field base_, value_, rates_, jacobian_;
-  std::vector<char> moving_;
+  const Grid* grid_ = nullptr;
+  double t_ = 0.0;
+  double dt_ = 0.0;
+  Work work_;
+  std::optional<CellFailure> first_;
 };
 
 }  // namespace
 
-std::unique_ptr<ReactionSolver> make_trapezoidal_cells(const Field& shape, const ReactionTerm& reaction, const CellTolerances& tolerances) {
+std::unique_ptr<ReactionSolver> make_trapezoidal_cells(const ReactionTerm& reaction, const CellTolerances& tolerances) {
   return for_species_count<std::unique_ptr<ReactionSolver>>(
-      shape.n_species(), [&]<int m>() { return std::make_unique<TrapezoidalCells<m>>(shape, reaction, tolerances); });
+      reaction.n_species(), [&]<int m>() { return std::make_unique<TrapezoidalCells<m>>(reaction, tolerances); });
 }
 
 }  // namespace stiffront

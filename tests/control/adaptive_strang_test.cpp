@@ -303,16 +303,19 @@ TEST(AdaptiveStrang, ARestartedMethodIsAsGoodAsNew) {
 class CountedReaction final : public ReactionSolver {
  public:
   explicit CountedReaction(double& time) : time_(&time) {}
-  std::optional<CellFailure> advance(double, double dt, const Field& from, Field& to, const FreeBox& box, std::vector<double>&,
-                                     std::vector<float>&, Work&) override {
+  void begin(const Grid&, double, double dt) override {
     EXPECT_GE(dt, 0.0) << "a flow runs backwards";
     *time_ += dt;
-    for (int i = box.i_begin; i < box.i_end; ++i) to.at(0, i) = from.at(0, i) * std::exp(-dt);
-    return std::nullopt;
+    dt_ = dt;
   }
+  void run(const CellRun& cells) override {
+    for (int i = 0; i < cells.n; ++i) cells.to[i] = cells.from[i] * std::exp(-dt_);
+  }
+  std::optional<CellFailure> finish(Work&) override { return std::nullopt; }
 
  private:
   double* time_;
+  double dt_ = 0.0;
 };
 
 /// du_i/dt = -i u_i.

@@ -17,10 +17,9 @@ using testing::DiffusionProblem;
 
 class NoReaction final : public ReactionSolver {
  public:
-  std::optional<CellFailure> advance(double, double, const Field&, Field&, const FreeBox&, std::vector<double>&, std::vector<float>&,
-                                     Work&) override {
-    return std::nullopt;
-  }
+  void begin(const Grid&, double, double) override {}
+  void run(const CellRun&) override {}
+  std::optional<CellFailure> finish(Work&) override { return std::nullopt; }
 };
 
 class NoDiffusion final : public Flow {

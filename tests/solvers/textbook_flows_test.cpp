@@ -36,7 +36,7 @@ TEST(TrapezoidalCellsTest, SolveTheRuleInEveryCellOrNameTheCellThatHasNoSolution
   for (int i = 0; i < u.n_x(); ++i) u.at(0, i) = 0.1 + 0.02 * i;
   u.at(0, 7) = 0.9;  // v = u + h/2 (u^2 + v^2) has no real solution from here
   const double dt = 1.0;
-  const auto solver = make_trapezoidal_cells(u, model, {1e-13, {1e-13}});
+  const auto solver = make_trapezoidal_cells(model, {1e-13, {1e-13}});
   std::vector<double> hints(11, 0.0);
   std::vector<float> cost(11, 0.0F);
   Work work;

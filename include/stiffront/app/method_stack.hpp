@@ -34,6 +34,8 @@ class MethodStack {
   double reaction_tolerance() const { return reaction_tolerance_; }
   /// Adds the time spent in the flows so far.
   void add_seconds(PhaseSeconds& phases) const;
+  /// What balancing the reaction has done; nothing if there is no reaction flow or it does not balance. @mpi collective
+  std::optional<BalanceCounts> balance() { return reaction_ ? reaction_->balance() : std::nullopt; }
   /// A sentence for the log when the method was chosen by the program; otherwise empty.
   const std::string& choice() const { return choice_; }
 

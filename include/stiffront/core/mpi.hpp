@@ -25,11 +25,22 @@ struct Agreement {
   std::uint64_t flags = 0;     ///< failures, signals, limits: or-ed
 };
 
+/// What a communicator has carried, on this rank.
+struct Traffic {
+  std::int64_t reductions = 0;
+  std::int64_t halo_exchanges = 0;
+  std::int64_t halo_messages = 0;  ///< sent
+  std::int64_t halo_bytes = 0;     ///< sent
+  double seconds_waiting = 0.0;    ///< for reductions and messages
+};
+
 /// A duplicate of a communicator that returns its errors, freed at the end. Movable, never copied, never global.
 class Communicator {
  public:
   /// Duplicates comm. @mpi collective on comm.
   explicit Communicator(MPI_Comm comm);
+  /// The part of this communicator whose ranks passed the same colour, in the same order. @mpi collective.
+  Communicator split(int colour) const;
   Communicator(Communicator&& other) noexcept;
   Communicator& operator=(Communicator&& other) noexcept;
   Communicator(const Communicator&) = delete;
@@ -51,16 +62,25 @@ class Communicator {
   std::string broadcast(const std::string& text, int root = 0) const;
 
   /// How many reductions this communicator has done; counted for the run's summary.
-  std::int64_t reductions() const { return reductions_; }
-  /// Seconds spent in agreements.
-  double seconds_reducing() const { return seconds_reducing_; }
+  std::int64_t reductions() const { return traffic_.reductions; }
+  /// All that was counted so far.
+  const Traffic& traffic() const { return traffic_; }
+  /// Notes an exchange of halos, whoever makes it: what this rank sent in it.
+  void count_halo(int messages, std::int64_t bytes) const {
+    ++traffic_.halo_exchanges;
+    traffic_.halo_messages += messages;
+    traffic_.halo_bytes += bytes;
+  }
+  void count_waiting(double seconds) const { traffic_.seconds_waiting += seconds; }
 
  private:
+  Communicator() = default;
+  void measure();
+
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int size_ = 1;
-  mutable std::int64_t reductions_ = 0;
-  mutable double seconds_reducing_ = 0.0;
+  mutable Traffic traffic_;
 };
 
 }  // namespace stiffront

@@ -26,11 +26,22 @@ struct Summary {
   std::int64_t accepted = 0;
   std::int64_t rejected = 0;
   Work work;                    ///< summed over the ranks where a count is local
-  std::int64_t allreduces = 0;
+  std::int64_t allreduces = 0;      ///< in the time loop
+  std::int64_t halo_messages = 0;   ///< sent in the time loop, by all ranks
+  std::int64_t halo_bytes = 0;
   std::vector<std::pair<std::string, double>> wall_seconds;  ///< by phase: diffusion, reaction, quadrature, communication, output, total
   int ranks = 1;
   std::vector<int> processes;   ///< ranks per direction
   double imbalance = 1.0;       ///< largest over mean work of the ranks in the reaction
+  /// What balancing the reaction has done; largest over mean counted work of the ranks in a call, averaged over calls by their work.
+  struct Balance {
+    double before = 1.0;
+    double after = 1.0;
+    std::int64_t messages = 0;  ///< sent by all ranks
+    std::int64_t bytes = 0;
+    std::int64_t cells = 0;     ///< that were integrated by another rank than their own
+  };
+  std::optional<Balance> balance;  ///< left out if there was none
   /// Of each rank in turn: Newton iterations of the reaction, seconds in the phases "diffusion", "reaction" and "communication".
   struct RankWork {
     std::int64_t newton_iterations = 0;

@@ -48,8 +48,6 @@ class HaloExchange {
   /// Exchanges done so far, and the bytes this rank sent in them.
   std::int64_t count() const { return count_; }
   std::int64_t bytes_sent() const { return bytes_sent_; }
-  /// Seconds spent waiting for messages.
-  double seconds_waited() const { return seconds_waited_; }
 
  private:
   struct Link {
@@ -77,7 +75,6 @@ class HaloExchange {
   std::vector<Field*> open_;
   std::int64_t count_ = 0;
   std::int64_t bytes_sent_ = 0;
-  double seconds_waited_ = 0.0;
 };
 
 }  // namespace stiffront

@@ -22,17 +22,20 @@ struct Place {
   T y;  ///< 0 in one dimension
 };
 
-/// The place of the pack of n cells that starts at local point (i, j). Positions are computed from global indices, lane by lane; the
+/// The place of the pack of n cells that starts at point (i, j) of the grid. Positions are computed from global indices, lane by lane; the
 /// lanes beyond the n-th repeat the last cell's, as Pack::load_partial does, so that no lane is evaluated at made-up places.
-inline Place<Pack> place_of_pack(const Decomposition& d, double t, int i, int j, int n = pack_size) {
-  const Grid& grid = d.grid();
-  Pack index(static_cast<double>(d.offset_x() + i));
+inline Place<Pack> place_of_cells(const Grid& grid, double t, std::int64_t i, std::int64_t j, int n = pack_size) {
+  Pack index(static_cast<double>(i));
   for (int l = 0; l < pack_size; ++l) index.set(l, index[l] + (l < n ? l : n - 1));
   if (grid.has_sub_cells(0)) {
-    for (int l = 0; l < pack_size; ++l) index.set(l, grid.place(0, d.offset_x() + i + (l < n ? l : n - 1)));
+    for (int l = 0; l < pack_size; ++l) index.set(l, grid.place(0, i + (l < n ? l : n - 1)));
   }
-  return {t, Pack(grid.lower[0]) + index * Pack(grid.spacing(0)),
-          Pack(grid.dimension == 2 ? grid.position(1, d.offset_y() + j) : 0.0)};
+  return {t, Pack(grid.lower[0]) + index * Pack(grid.spacing(0)), Pack(grid.dimension == 2 ? grid.position(1, j) : 0.0)};
+}
+
+/// The same for the pack that starts at a local point (i, j).
+inline Place<Pack> place_of_pack(const Decomposition& d, double t, int i, int j, int n = pack_size) {
+  return place_of_cells(d.grid(), t, d.offset_x() + i, d.offset_y() + j, n);
 }
 
 /// A parameter of a model M: its name in case files and the member that holds it. The default is that of a fresh M.

@@ -12,7 +12,8 @@ namespace stiffront {
 /// CVODE in every cell of a box, one cell after the other: variable-order BDF, dense Jacobians from duals, restarted for each cell.
 ///
 /// A second opinion on Radau5, some hundred times slower. Its tolerances are CVODE's, not transformed. Hints are neither read nor
-/// written: each cell starts with the step that CVODE estimates. The cost of a cell is its number of Newton iterations.
+/// written: each cell starts with the step that CVODE estimates. The cost of a cell is its
+/// number of Newton iterations, and attempt_cost for each step tried.
 class CvodeCells final : public ReactionSolver {
  public:
   /// @param term must outlive the solver. @throws Error(bug) unless there is one positive absolute tolerance per species and a
@@ -22,12 +23,18 @@ class CvodeCells final : public ReactionSolver {
   CvodeCells(const CvodeCells&) = delete;
   CvodeCells& operator=(const CvodeCells&) = delete;
 
-  std::optional<CellFailure> advance(double t, double dt, const Field& from, Field& to, const FreeBox& box,
-                                     std::vector<double>& hint, std::vector<float>& cost, Work& work) override;
+  void begin(const Grid& grid, double t, double dt) override;
+  void run(const CellRun& cells) override;
+  std::optional<CellFailure> finish(Work& work) override;
 
  private:
   class Integrator;
   std::unique_ptr<Integrator> integrator_;
+  const Grid* grid_ = nullptr;
+  double t_ = 0.0;
+  double dt_ = 0.0;
+  Work work_;
+  std::optional<CellFailure> first_;
 };
 
 }  // namespace stiffront

@@ -20,44 +20,39 @@ class Radau5 final : public ReactionSolver {
   /// @throws Error(bug) unless there is one positive absolute tolerance per species and a positive relative one
   Radau5(M model, const CellTolerances& tolerances) : kernel_(std::move(model), checked(tolerances)) {}
 
-  std::optional<CellFailure> advance(double t, double dt, const Field& from, Field& to, const FreeBox& box,
-                                     std::vector<double>& hint, std::vector<float>& cost, Work& work) override {
-    const Decomposition& d = from.decomposition();
-    const int n = box.i_end - box.i_begin;
+  void begin(const Grid& grid, double t, double dt) override {
+    grid_ = &grid;
+    t_ = t;
+    dt_ = dt;
     kernel_.begin(t, dt);
-    for (int j = box.j_begin; j < box.j_end; ++j) {
-      const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(j) * from.n_x() + box.i_begin;
-      const CellRow row{n,
-                        from.row(0, j) + box.i_begin,
-                        from.species_stride(),
-                        to.row(0, j) + box.i_begin,
-                        to.species_stride(),
-                        hint.data() + first,
-                        cost.data() + first,
-                        first};
-      kernel_.row(row, [&](int i, int lanes) { return place_of_pack(d, t, box.i_begin + i, j, lanes); });
-    }
-    const std::optional<Radau5Failure> failure = kernel_.finish();
+  }
 
+  void run(const CellRun& cells) override {
+    const CellRow row{cells.n,        cells.from, cells.from_stride, cells.to, cells.to_stride, cells.hint, cells.cost,
+                      cells.j * grid_->points[0] + cells.i};
+    kernel_.row(row, [&](int i, int n) { return place_of_cells(*grid_, t_, cells.i + i, cells.j, n); });
+  }
+
+  std::optional<CellFailure> finish(Work& work) override {
+    const std::optional<Radau5Failure> failure = kernel_.finish();
     const Radau5Counts counts = kernel_.counts();
     work.reaction_steps += counts.steps;
     work.reaction_rejections += counts.error_rejections + counts.newton_failures;
     work.reaction_newton_iterations += counts.newton_iterations;
     work.reaction_rhs += counts.rhs;
     work.reaction_jacobians += counts.jacobians;
+    kernel_.begin(t_, dt_);
 
     if (!failure) return std::nullopt;
     CellFailure f;
-    const int i = static_cast<int>(failure->cell % from.n_x());
-    const int j = static_cast<int>(failure->cell / from.n_x());
-    f.i = d.offset_x() + i;
-    f.j = d.offset_y() + j;
-    f.x = d.grid().position(0, f.i);
-    f.y = d.grid().dimension == 2 ? d.grid().position(1, f.j) : 0.0;
+    f.i = failure->cell % grid_->points[0];
+    f.j = failure->cell / grid_->points[0];
+    f.x = grid_->position(0, f.i);
+    f.y = grid_->dimension == 2 ? grid_->position(1, f.j) : 0.0;
     f.t = failure->t;
     f.dt = failure->h;
-    f.interval = dt;
-    for (int s = 0; s < M::n_species; ++s) f.state.push_back(to.at(s, i, j));
+    f.interval = dt_;
+    for (int s = 0; s < M::n_species; ++s) f.state.push_back(failure->to[s * failure->stride]);
     f.reason = failure->reason;
     return f;
   }
@@ -71,6 +66,9 @@ class Radau5 final : public ReactionSolver {
   }
 
   Radau5Kernel<M> kernel_;
+  const Grid* grid_ = nullptr;
+  double t_ = 0.0;
+  double dt_ = 0.0;
 };
 
 }  // namespace stiffront

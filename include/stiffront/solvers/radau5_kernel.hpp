@@ -10,6 +10,7 @@
 #include "stiffront/core/simd.hpp"
 #include "stiffront/model/model.hpp"
 #include "stiffront/solvers/radau5_step.hpp"
+#include "stiffront/solvers/reaction_solver.hpp"
 
 namespace stiffront {
 
@@ -33,7 +34,7 @@ struct CellRow {
   double* to;  ///< may be `from`, with the same stride
   std::ptrdiff_t to_stride;
   double* hint;             ///< one per cell: inner step to begin with, 0 for the whole interval; updated
-  float* cost;              ///< one per cell: Newton iterations of this call
+  float* cost;              ///< one per cell: Newton iterations of this call, and attempt_cost for each of its attempts
   std::int64_t first_cell;  ///< number of cell 0 in reports of failures
 };
 
@@ -43,6 +44,8 @@ struct Radau5Failure {
   double t;
   double h;
   const char* reason;
+  const double* to;  ///< where the state is, and the distance of its species
+  std::ptrdiff_t stride;
 };
 
 /// Integrates du/dt = rates(t, x, y, u) over an interval [t, t + dt] in many cells, each with inner steps of its own.
@@ -113,7 +116,7 @@ class Radau5Kernel {
     std::int64_t cell;
     double x, y;
     double h;
-    double newton_iterations;
+    double work;  ///< its cost so far
     bool rejected;
   };
   /// A list so long is worked off at once: it stays in the cache, and the few idle lanes at its end do not matter.
@@ -162,7 +165,7 @@ class Radau5Kernel {
 
     Mask left = present;
     T retry = hint;
-    T iterations(0.0);
+    T cost(0.0);
     if (any(wanted)) {
       Radau5Attempt<T, m> a;
       a.newton_factor = T(1.0);
@@ -170,20 +173,20 @@ class Radau5Kernel {
       const Mask accepted = a.converged && a.error_squared < T(1.0);
       count_attempts(wanted, accepted, a);
       for (int s = 0; s < m; ++s) u[s] = select(accepted, u[s] + (a.w[0][s] + a.w[1][s]), u[s]);
-      iterations = a.newton_iterations;
+      cost = select(wanted, a.newton_iterations + T(ReactionSolver::attempt_cost), T(0.0));
       left = present && !accepted;
       retry = select(accepted, T(0.0), hint);
       if (any(left)) retry = select(wanted && !accepted, after_rejection(a, h), retry);
     }
     for (int s = 0; s < m; ++s) store(u[s], cells.to + s * cells.to_stride + i, n);
-    Traits::store_as_float(iterations, cells.cost + i, n);
+    Traits::store_as_float(cost, cells.cost + i, n);
     store(retry, cells.hint + i, n);  // of cells on the list: replaced when they are done
 
     if (any(left)) {
       for (int l = 0; l < n; ++l) {
         if ((bits(left) >> l & 1U) == 0) continue;
         list_.push_back({cells.to + i + l, cells.to_stride, cells.hint + i + l, cells.cost + i + l, cells.first_cell + i + l,
-                         Traits::lane(start.place.x, l), Traits::lane(start.place.y, l), Traits::lane(retry, l), Traits::lane(iterations, l),
+                         Traits::lane(start.place.x, l), Traits::lane(start.place.y, l), Traits::lane(retry, l), Traits::lane(cost, l),
                          (bits(wanted) >> l & 1U) != 0});
       }
       if (list_.size() >= longest_list) work_off_list();
@@ -211,7 +214,7 @@ class Radau5Kernel {
     T last_error;
     T newton_factor;
     T attempts;
-    T iterations;
+    T cost;
     T rates_size;    ///< of the last attempt
     Mask rejected;
     Mask active;
@@ -231,7 +234,7 @@ class Radau5Kernel {
     Traits::set_lane(lanes.last_error, l, 1.0);
     Traits::set_lane(lanes.newton_factor, l, 1.0);
     Traits::set_lane(lanes.attempts, l, p.rejected ? 1.0 : 0.0);
-    Traits::set_lane(lanes.iterations, l, p.newton_iterations);
+    Traits::set_lane(lanes.cost, l, p.work);
     Traits::set_lane(lanes.rejected, l, p.rejected);
     lanes.cell[l] = &p;
   }
@@ -297,7 +300,7 @@ class Radau5Kernel {
     const Mask accepted = active && a.converged && a.error_squared < T(1.0);
     count_attempts(active, accepted, a);
     lanes.attempts = lanes.attempts + T(1.0);
-    lanes.iterations = lanes.iterations + a.newton_iterations;
+    lanes.cost = lanes.cost + (a.newton_iterations + T(ReactionSolver::attempt_cost));
     lanes.newton_factor = a.newton_factor;
 
     // Step size: the elementary controller, and after the first accepted step the smaller one of it and Gustafsson's
@@ -341,7 +344,7 @@ class Radau5Kernel {
 
   void leave(Lanes& lanes, int l, bool failed, double hint) {
     const Pending& p = *lanes.cell[l];
-    *p.cost = static_cast<float>(Traits::lane(lanes.iterations, l));
+    *p.cost = static_cast<float>(Traits::lane(lanes.cost, l));
     if (!failed) {
       for (int s = 0; s < m; ++s) p.to[s * p.stride] = Traits::lane(lanes.u[s], l);
       *p.hint = hint < dt_ ? hint : 0.0;
@@ -352,7 +355,7 @@ class Radau5Kernel {
     const char* reason = "the inner step size has become too small";
     if (Traits::lane(lanes.attempts, l) >= max_attempts_) reason = "too many inner steps";
     if (!is_finite(Traits::lane(lanes.rates_size, l))) reason = "the rates are not finite";
-    failure_ = Radau5Failure{p.cell, t_ + Traits::lane(lanes.elapsed, l), Traits::lane(lanes.h, l), reason};
+    failure_ = Radau5Failure{p.cell, t_ + Traits::lane(lanes.elapsed, l), Traits::lane(lanes.h, l), reason, p.to, p.stride};
   }
 
   M model_;

@@ -10,6 +10,6 @@ namespace stiffront {
 /// Every cell by one step of the trapezoidal rule, solved by Newton's iteration to the relative and absolute tolerance: the reaction flow
 /// of textbook splittings, of order two and with no error estimate.
 /// @see Ropp, Shadid & Ober, J. Comput. Phys. 194, 2004
-std::unique_ptr<ReactionSolver> make_trapezoidal_cells(const Field& shape, const ReactionTerm& reaction, const CellTolerances& tolerances);
+std::unique_ptr<ReactionSolver> make_trapezoidal_cells(const ReactionTerm& reaction, const CellTolerances& tolerances);
 
 }  // namespace stiffront
