@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "stiffront/solvers/halo_depth.hpp"
 #include "stiffront/solvers/rock4.hpp"
 #include "support/diffusion_problem.hpp"
 
@@ -51,21 +52,21 @@ struct Outcome {
   std::optional<CellFailure> failure;
 };
 
-Field rough_field(const DiffusionProblem& p, int k) {
-  return p.field([k](int s, double x, double y) {
+Field rough_field(const DiffusionProblem& p, int k, int depth = 1) {
+  return p.field(depth, [k](int s, double x, double y) {
     return std::floor(3.0 * x + 0.2 * k) + 1e-3 * scatter(std::lround(1e7 * x), std::lround(1e7 * y), 2 * k + s);
   });
 }
 
 /// Two calls, begun with a step that is too long, so that there are rejections.
-Outcome run(const DiffusionProblem& p, const Rock4Tolerances& tolerances) {
+Outcome run(const DiffusionProblem& p, const Rock4Tolerances& tolerances, int depth = 1) {
   Outcome r;
   std::vector<Field> from;
   for (int k = 0; k < n_states; ++k) {
-    from.push_back(rough_field(p, k));
-    r.states.push_back(p.field());
+    from.push_back(rough_field(p, k, depth));
+    r.states.push_back(p.field(depth));
   }
-  Rock4 flow(p.decomposition, p.diffusion, tolerances);
+  Rock4 flow(p.decomposition, p.diffusion, tolerances, depth);
   const double first = 0.2;
   flow.set_state(std::span<const double>(&first, 1));
   std::vector<Transition> transitions;
@@ -92,27 +93,38 @@ TEST_P(Rock4OnManyRanksTest, FieldsStepsAndCountsHaveTheBitsOfOneRankOnEveryLayo
   EXPECT_GT(expected.work.diffusion_steps, 4);
 
   for (const std::array<int, 2>& layout : layouts(world.size(), setting.grid)) {
-    DiffusionProblem part(world, setting.grid, sides(setting), coefficients, setting.order, layout);
-    const Outcome found = run(part, tolerances);
-    ASSERT_FALSE(found.failure);
-    EXPECT_EQ(found.work.diffusion_steps, expected.work.diffusion_steps);
-    EXPECT_EQ(found.work.diffusion_rejections, expected.work.diffusion_rejections);
-    EXPECT_EQ(found.work.diffusion_stages, expected.work.diffusion_stages);
-    EXPECT_EQ(found.work.halo_exchanges, expected.work.halo_exchanges);
-    EXPECT_EQ(found.step, expected.step);
-    const int offset_x = static_cast<int>(part.decomposition.offset_x());
-    const int offset_y = static_cast<int>(part.decomposition.offset_y());
-    int different = 0;
-    for (std::size_t k = 0; k < n_states; ++k) {
-      for (int s = 0; s < n_species; ++s) {
-        for (int j = 0; j < part.decomposition.n_y(); ++j) {
-          for (int i = 0; i < part.decomposition.n_x(); ++i) {
-            if (found.states[k].at(s, i, j) != expected.states[k].at(s, offset_x + i, offset_y + j)) ++different;
+    for (const int depth : {1, 2, 3, 5, 8}) {
+      DiffusionProblem part(world, setting.grid, sides(setting), coefficients, setting.order, layout);
+      const std::int64_t exchanges_before = world.traffic().halo_exchanges;
+      const Outcome found = run(part, tolerances, depth);
+      ASSERT_FALSE(found.failure);
+      EXPECT_EQ(found.work.diffusion_steps, expected.work.diffusion_steps);
+      EXPECT_EQ(found.work.diffusion_rejections, expected.work.diffusion_rejections);
+      EXPECT_EQ(found.work.diffusion_stages, expected.work.diffusion_stages);
+      EXPECT_EQ(found.work.halo_exchanges, world.traffic().halo_exchanges - exchanges_before);
+      if (depth == 1) {
+        EXPECT_EQ(found.work.halo_exchanges, expected.work.halo_exchanges);
+      }
+      const int used = std::min(depth, largest_halo_depth(part.decomposition, part.boundary, setting.order / 2));
+      const std::int64_t attempts = found.work.diffusion_steps + found.work.diffusion_rejections;
+      EXPECT_GE(found.work.halo_exchanges * used, found.work.diffusion_stages);
+      EXPECT_LE(found.work.halo_exchanges * used, found.work.diffusion_stages + attempts * (used - 1))
+          << "exchanges fall by the depth";
+      EXPECT_EQ(found.step, expected.step);
+      const int offset_x = static_cast<int>(part.decomposition.offset_x());
+      const int offset_y = static_cast<int>(part.decomposition.offset_y());
+      int different = 0;
+      for (std::size_t k = 0; k < n_states; ++k) {
+        for (int s = 0; s < n_species; ++s) {
+          for (int j = 0; j < part.decomposition.n_y(); ++j) {
+            for (int i = 0; i < part.decomposition.n_x(); ++i) {
+              if (found.states[k].at(s, i, j) != expected.states[k].at(s, offset_x + i, offset_y + j)) ++different;
+            }
           }
         }
       }
+      EXPECT_EQ(different, 0) << layout[0] << " x " << layout[1] << " ranks, depth " << depth;
     }
-    EXPECT_EQ(different, 0) << layout[0] << " x " << layout[1] << " ranks";
   }
 }
 

@@ -82,7 +82,8 @@ double MethodStack::make_flows(const Case& c, Problem& problem, double finest_re
     untimed_diffusion_ = std::make_unique<CrankNicolson>(problem.state, problem.rhs, diffusion_tolerance);
   } else {
     untimed_diffusion_ = std::make_unique<Rock4>(problem.decomposition, problem.diffusion,
-                                                 Rock4Tolerances{diffusion_tolerance, inner_absolute(diffusion_tolerance, problem)});
+                                                 Rock4Tolerances{diffusion_tolerance, inner_absolute(diffusion_tolerance, problem)},
+                                                 c.diffusion_solver.halo_depth);
   }
   diffusion_ = std::make_unique<TimedFlow>(*untimed_diffusion_, diffusion_seconds_);
   return std::max(reaction_tolerance, diffusion_tolerance);

@@ -8,12 +8,15 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "custom_model_of.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/io/result_file.hpp"
 #include "stiffront/model/expression.hpp"
 #include "stiffront/model/space_expression.hpp"
+#include "stiffront/solvers/halo_depth.hpp"
+#include "stiffront/solvers/rock4.hpp"
 #include "stiffront/space/sub_cell_closure.hpp"
 
 namespace stiffront::app {
@@ -42,6 +45,16 @@ int halo_width(const Case& c) { return std::max(c.space.order, c.space.quadratur
 int fewest_points_of_a_part(const Case& c) {
   const bool closed = c.space.order == 8 && c.boundary.has_dirichlet();
   return closed ? SubCellClosure::columns : halo_width(c);
+}
+
+/// Of the states: room for several stages of the diffusion flow per exchange, where there is such a flow and others to exchange with.
+int halo_of_states(const Case& c, const Decomposition& decomposition, const Boundary& boundary) {
+  const int width = halo_width(c);
+  const bool splits = std::holds_alternative<LieOptions>(c.method) || std::holds_alternative<StrangOptions>(c.method) ||
+                      std::holds_alternative<AdaptiveStrangOptions>(c.method) || std::holds_alternative<DcsOptions>(c.method);
+  if (!splits || c.diffusion_solver.name != DiffusionSolver::rock4 || c.space.order == 8) return width;
+  const int asked = c.diffusion_solver.halo_depth > 0 ? c.diffusion_solver.halo_depth : Rock4::automatic_depth;
+  return std::max(width, c.space.order / 2 * std::min(asked, largest_halo_depth(decomposition, boundary, c.space.order / 2)));
 }
 
 std::array<int, 2> processes(const Case& c) {
@@ -127,7 +140,7 @@ Problem::Problem(const Case& c, const ModelRegistry& models, const Communicator&
       transport(model->make_transport()),
       diffusion(grid, boundary, diffusion_coefficients(c), c.space.order),
       rhs(decomposition, diffusion, *model, transport.get()),
-      state(decomposition, model->n_species(), halo_width(c)) {
+      state(decomposition, model->n_species(), halo_of_states(c, decomposition, boundary)) {
   note_ = initialise(c, *model, state);
   boundary.impose(state, c.time.start);
 

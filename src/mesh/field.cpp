@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stiffront/mesh/field.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "stiffront/core/simd.hpp"
@@ -21,7 +22,8 @@ Field::Field(const Decomposition& decomposition, int n_species, int halo)
       halo_y_(decomposition.grid().dimension == 2 ? halo : 0),
       n_x_(decomposition.n_x()),
       n_y_(decomposition.n_y()) {
-  const std::ptrdiff_t left = round_up(halo);
+  // Where kernels work on halos, the pack before that of the outermost point they compute is read too.
+  const std::ptrdiff_t left = round_up(std::max(halo - 1, 0)) + line;
   // A pack that starts at the last interior point and is shifted by the halo width must stay inside the row.
   row_stride_ = left + round_up(n_x_ + halo + line);
   const std::ptrdiff_t rows = n_y_ + 2 * halo_y_;

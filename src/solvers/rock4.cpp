@@ -118,7 +118,7 @@ struct Finish {
 
 }  // namespace
 
-Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffusion, Rock4Tolerances tolerances)
+Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffusion, Rock4Tolerances tolerances, int halo_depth)
     : decomposition_(&decomposition),
       diffusion_(&diffusion),
       tolerances_(std::move(tolerances)),
@@ -126,7 +126,9 @@ Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffus
       max_stages_(rock4_max_stages(tolerances_.relative)),
       free_(diffusion.boundary().free_box(decomposition)),
       free_variables_(static_cast<double>(diffusion.boundary().free_points(decomposition.grid())) *
-                      static_cast<double>(diffusion.diffusing_species().size())) {
+                      static_cast<double>(diffusion.diffusing_species().size())),
+      inner_(free_),
+      asked_depth_(diffusion.order() == 8 ? 1 : halo_depth) {
   const auto demand_positive = [](double x) {
     if (!(x > 0.0 && std::isfinite(x)))
       throw Error(ErrorKind::input, fmt::format("diffusion_solver.tolerance: expected a positive number, got {}", x));
@@ -152,26 +154,33 @@ Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffus
       has_neighbour = has_neighbour || (rank != MPI_PROC_NULL && rank != decomposition.comm().rank());
     }
   }
-  FreeBox inner = free_;
-  inner.i_begin = (width + pack_size - 1) / pack_size * pack_size;
-  inner.i_end = (decomposition.n_x() - width) / pack_size * pack_size;
+  inner_.i_begin = (width + pack_size - 1) / pack_size * pack_size;
+  inner_.i_end = (decomposition.n_x() - width) / pack_size * pack_size;
   if (two_dimensional) {
-    inner.j_begin = std::max(width, free_.j_begin);
-    inner.j_end = std::min(decomposition.n_y() - width, free_.j_end);
+    inner_.j_begin = std::max(width, free_.j_begin);
+    inner_.j_end = std::min(decomposition.n_y() - width, free_.j_end);
   }
-  if (!has_neighbour || inner.i_begin >= inner.i_end || inner.j_begin >= inner.j_end) {
-    tiles_.interior = {0, 0, 0, 0};
-    tiles_.edges = {free_};
-    return;
-  }
-  tiles_.interior = inner;
-  const auto add_edge = [this](int i_begin, int i_end, int j_begin, int j_end) {
-    if (i_begin < i_end && j_begin < j_end) tiles_.edges.push_back({i_begin, i_end, j_begin, j_end});
-  };
-  add_edge(free_.i_begin, free_.i_end, free_.j_begin, inner.j_begin);
-  add_edge(free_.i_begin, inner.i_begin, inner.j_begin, inner.j_end);
-  add_edge(inner.i_end, free_.i_end, inner.j_begin, inner.j_end);
-  add_edge(free_.i_begin, free_.i_end, inner.j_end, free_.j_end);
+  if (!has_neighbour || inner_.i_begin >= inner_.i_end || inner_.j_begin >= inner_.j_end) inner_ = {0, 0, 0, 0};
+  if (asked_depth_ == 0 && decomposition.comm().size() > 1) halo_cost_.emplace(decomposition, width, measure_exchange(decomposition));
+}
+
+/// The points that evolve, and those of neighbours at most `by` away.
+FreeBox Rock4::extended(int by) const {
+  FreeBox box = free_;
+  const Decomposition& d = *decomposition_;
+  if (d.neighbour(-1, 0) != MPI_PROC_NULL) box.i_begin -= by;
+  if (d.neighbour(1, 0) != MPI_PROC_NULL) box.i_end += by;
+  if (d.grid().dimension == 1) return box;
+  if (d.neighbour(0, -1) != MPI_PROC_NULL) box.j_begin -= by;
+  if (d.neighbour(0, 1) != MPI_PROC_NULL) box.j_end += by;
+  return box;
+}
+
+Rock4::Tiles Rock4::tiles_of(const FreeBox& box) const {
+  if (inner_.i_begin >= inner_.i_end) return {inner_, {box, inner_, inner_, inner_}};
+  return {inner_,
+          {FreeBox{box.i_begin, box.i_end, box.j_begin, inner_.j_begin}, FreeBox{box.i_begin, inner_.i_begin, inner_.j_begin, inner_.j_end},
+           FreeBox{inner_.i_end, box.i_end, inner_.j_begin, inner_.j_end}, FreeBox{box.i_begin, box.i_end, inner_.j_end, box.j_end}}};
 }
 
 void Rock4::set_state(std::span<const double> state) {
@@ -197,6 +206,8 @@ void Rock4::prepare(std::span<const Transition> states, double t) {
   if (!scratch_.empty() &&
       (scratch_.front().halo() != shape.halo() || scratch_.front().n_species() != shape.n_species()))
     scratch_.clear();
+  largest_depth_ = std::min(largest_halo_depth(*decomposition_, boundary, diffusion_->halo_width()), shape.halo() / diffusion_->halo_width());
+  if (asked_depth_ == 1) largest_depth_ = 1;
   scratch_used_ = 0;
   buffers_.assign(states.size(), {});
   kept_.assign(states.size(), nullptr);
@@ -215,37 +226,69 @@ void Rock4::prepare(std::span<const Transition> states, double t) {
       }
     }
     while (next < b.size()) b[next++] = scratch(shape);
-    for (std::size_t i = boundary.depends_on_time() ? start : 1; i < b.size(); ++i) boundary.impose(*b[i], t);
+    for (std::size_t i = boundary.depends_on_time() ? start : 1; i < b.size(); ++i) boundary.impose(*b[i], t, reach());
   }
-  auto& exchange = exchanges_[states.size()];
-  if (!exchange) {
-    exchange = std::make_unique<HaloExchange>(*decomposition_, diffusion_->boundary(), diffusion_->n_species(),
-                                              static_cast<int>(states.size()), diffusion_->halo_width(),
+}
+
+HaloExchange& Rock4::exchange_for(int together, std::size_t n_fields) {
+  auto& exchange = exchanges_[{together, n_fields}];
+  if (exchange) return *exchange;
+  const int width = diffusion_->halo_width();
+  if (together == 1) {
+    exchange = std::make_unique<HaloExchange>(*decomposition_, diffusion_->boundary(), diffusion_->n_species(), static_cast<int>(n_fields),
+                                              width, diffusion_->diffusing_species());
+  } else {
+    // The inputs of the first stage, and what it reads at the point itself.
+    std::vector<int> widths(n_fields, (together - 1) * width);
+    std::fill_n(widths.begin(), buffers_.size(), together * width);
+    exchange = std::make_unique<HaloExchange>(*decomposition_, diffusion_->boundary(), diffusion_->n_species(), std::move(widths), width,
                                               diffusion_->diffusing_species());
   }
+  return *exchange;
 }
 
 /// Applies pass(state, species, tile) to the whole box; the stencil is applied to the input buffer, which is to be
 /// taken at the given time.
+///
+/// Where the halos at hand have points for this stage to spare, those of neighbours that later stages need are computed too.
 template <class Pass>
-void Rock4::stage(std::size_t input, double time, Pass&& pass) {
-  HaloExchange& exchange = *exchanges_.at(buffers_.size());
-  exchanged_.clear();
-  for (const Buffers& b : buffers_) {
-    if (input != start && diffusion_->boundary().depends_on_time()) diffusion_->boundary().impose(*b[input], time);
-    exchanged_.push_back(b[input]);
-  }
-  const auto on = [&](const FreeBox* first, const FreeBox* last) {
+void Rock4::stage(std::size_t input, std::initializer_list<std::size_t> others, double time, Pass&& pass) {
+  const Boundary& boundary = diffusion_->boundary();
+  const std::vector<int>& species = diffusion_->diffusing_species();
+  const int width = diffusion_->halo_width();
+  const auto on = [&](const FreeBox& tile) {
+    if (tile.i_begin >= tile.i_end || tile.j_begin >= tile.j_end) return;
     for (std::size_t k = 0; k < buffers_.size(); ++k) {
-      for (int s : diffusion_->diffusing_species()) {
-        for (const FreeBox* tile = first; tile != last; ++tile) pass(k, s, *tile);
-      }
+      for (int s : species) pass(k, s, tile);
     }
   };
+  const bool exchanges = stages_ahead_ == 0;
+  if (exchanges) stages_ahead_ = std::min(depth_, stages_left_);
+  --stages_left_;
+  const int together = stages_ahead_--;
+  const FreeBox box = extended(stages_ahead_ * width);
+  for (const Buffers& b : buffers_) {
+    if (input != start && boundary.depends_on_time()) boundary.impose(*b[input], time, exchanges ? 0 : together * width);
+  }
+  if (!exchanges) {
+    for (const Buffers& b : buffers_) boundary.fill_halo(*b[input], width, species, together * width);
+    on(box);
+    return;
+  }
+  exchanged_.clear();
+  for (const Buffers& b : buffers_) exchanged_.push_back(b[input]);
+  if (together > 1) {
+    for (std::size_t other : others) {
+      for (const Buffers& b : buffers_) exchanged_.push_back(b[other]);
+    }
+  }
+  HaloExchange& exchange = exchange_for(together, exchanged_.size());
+  ++exchanges_made_;
+  const Tiles tiles = tiles_of(box);
   exchange.begin(exchanged_);
-  on(&tiles_.interior, &tiles_.interior + 1);
+  on(tiles.interior);
   exchange.finish();
-  on(tiles_.edges.data(), tiles_.edges.data() + tiles_.edges.size());
+  for (const FreeBox& tile : tiles.edges) on(tile);
 }
 
 double Rock4::attempt(double t, double h, Work& work) {
@@ -254,18 +297,23 @@ double Rock4::attempt(double t, double h, Work& work) {
       if (buffers_[k][i] != kept_[k]) continue;
       // After the first accepted step: the place of the field that must not change is taken by one that may.
       buffers_[k][i] = scratch(*buffers_[k][start]);
-      diffusion_->boundary().impose(*buffers_[k][i], t);
+      diffusion_->boundary().impose(*buffers_[k][i], t, reach());
     }
   }
   const int stages = std::min(rock4_stages(h * rho_), max_stages_);
+  const int variables = static_cast<int>(buffers_.size() * diffusion_->diffusing_species().size());
+  depth_ = halo_cost_ ? halo_cost_->best_depth(largest_depth_, stages, variables) : std::min(largest_depth_, std::max(asked_depth_, 1));
+  stages_left_ = stages;
+  stages_ahead_ = 0;
+  exchanges_made_ = 0;
   const Rock4Coefficients& m = table_[stages];
   const Finish finish(m);
   Agreement agreement(static_cast<int>(buffers_.size()), 0);
   if (diffusion_->order() == 8 && slope_.empty()) slope_.push_back(buffers_.front()[start]->similar());
   const auto all_stages = [&]<int Order, int Dimension>() {
     // on_row(b, s, j) makes the row object of species s in the buffers b.
-    const auto pass = [&](std::size_t input, double time, auto&& on_row) {
-      stage(input, time, [&](std::size_t k, int s, const FreeBox& tile) {
+    const auto pass = [&](std::size_t input, std::initializer_list<std::size_t> others, double time, auto&& on_row) {
+      stage(input, others, time, [&](std::size_t k, int s, const FreeBox& tile) {
         const Field& u = *buffers_[k][input];
         if constexpr (Order == 8) {
           diffusion_->apply_of_order_8(u, slope_.front(), s, tile);
@@ -276,11 +324,11 @@ double Rock4::attempt(double t, double h, Work& work) {
       });
     };
     const auto euler = [&](std::size_t u, std::size_t to, double time, double weight) {
-      pass(u, time, [&](std::size_t k, int s, int j) { return EulerRow{buffers_[k][to]->row(s, j), Pack(weight)}; });
+      pass(u, {}, time, [&](std::size_t k, int s, int j) { return EulerRow{buffers_[k][to]->row(s, j), Pack(weight)}; });
     };
     const auto recur = [&](std::size_t u, std::size_t before, std::size_t to, double time, double weight,
                            double kappa) {
-      pass(u, time, [&](std::size_t k, int s, int j) {
+      pass(u, {before}, time, [&](std::size_t k, int s, int j) {
         return RecurrenceRow{buffers_[k][before]->row(s, j), buffers_[k][to]->row(s, j), Pack(weight), Pack(kappa)};
       });
     };
@@ -300,7 +348,7 @@ double Rock4::attempt(double t, double h, Work& work) {
     const std::size_t x4 = 4;
     euler(g, x2, t + m.c[0] * h, h * m.a[1][0]);
     recur(x2, g, x3, t + m.c[1] * h, h * m.a[2][1], 1.0 - finish.x3_x2);
-    pass(x3, t + m.c[2] * h, [&](std::size_t k, int s, int j) {
+    pass(x3, {g, x2}, t + m.c[2] * h, [&](std::size_t k, int s, int j) {
       const Buffers& b = buffers_[k];
       return LastArgumentRow{.g = b[g]->row(s, j),
                              .x2 = b[x2]->row(s, j),
@@ -309,7 +357,7 @@ double Rock4::attempt(double t, double h, Work& work) {
                              .w2 = Pack(finish.x4_x2),
                              .w3 = Pack(finish.x4_x3)};
     });
-    pass(x4, t + m.c[3] * h, [&](std::size_t k, int s, int j) {
+    pass(x4, {}, t + m.c[3] * h, [&](std::size_t k, int s, int j) {
       const Buffers& b = buffers_[k];
       return SolutionRow{.start = b[start]->row(s, j),
                          .x2 = b[x2]->row(s, j),
@@ -336,7 +384,7 @@ double Rock4::attempt(double t, double h, Work& work) {
     diffusion_->dispatch(all_stages);
   }
   work.diffusion_stages += stages;
-  work.halo_exchanges += stages;
+  work.halo_exchanges += exchanges_made_;
 
   decomposition_->comm().agree(agreement);
   double largest = 0.0;

@@ -34,10 +34,12 @@ struct DiffusionProblem {
   DiffusionProblem(const DiffusionProblem&) = delete;
   DiffusionProblem& operator=(const DiffusionProblem&) = delete;
 
-  Field field() const { return Field(decomposition, diffusion.n_species(), diffusion.halo_width()); }
+  /// With room for the stencil applied so many times.
+  Field field(int depth = 1) const { return Field(decomposition, diffusion.n_species(), depth * diffusion.halo_width()); }
   /// value(species, x, y) at every point of this rank's box.
-  Field field(const std::function<double(int, double, double)>& value) const {
-    Field u = field();
+  Field field(const std::function<double(int, double, double)>& value) const { return field(1, value); }
+  Field field(int depth, const std::function<double(int, double, double)>& value) const {
+    Field u = field(depth);
     for (int s = 0; s < u.n_species(); ++s) {
       for (int j = 0; j < u.n_y(); ++j) {
         for (int i = 0; i < u.n_x(); ++i) {

@@ -245,6 +245,7 @@ enum class DiffusionSolver { rock4, crank_nicolson };
 struct DiffusionSolverOptions {
   DiffusionSolver name = DiffusionSolver::rock4;
   double tolerance = 1e-5;
+  int halo_depth = 0;  ///< 0 = chosen by the program
 
   bool operator==(const DiffusionSolverOptions&) const = default;
 };

@@ -34,7 +34,7 @@ class RowBlock {
       : stride_(laplacian.row_stride), k_x_(laplacian.k_x), k_y_(laplacian.k_y), first_row_(first_row), rows_(rows) {}
 
   [[gnu::always_inline]] void sweep(int i_begin, int i_end) {
-    int i = i_begin / pack_size * pack_size;
+    int i = i_begin & -pack_size;  // rounded down, also in the halo
     for (int r = 0; r < Rows; ++r) {
       before_[r] = Pack::load(first_row_ + r * stride_ + i - pack_size);
       centre_[r] = Pack::load(first_row_ + r * stride_ + i);
