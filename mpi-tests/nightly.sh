@@ -8,6 +8,7 @@
 #   delays      MPI tests on three ranks with random delays before the calls, twenty seeds
 #   fuzz        twenty times the mutations of the tests, under the sanitizers; then, where clang is, a minute of libFuzzer on each
 #               of tests/fuzz, begun from the built-in cases, tests/corpus and what a run leaves behind
+#   bits        the same bits on 1 to 8 ranks, all methods, layouts, depths of halos, with and without balance
 #   kills       fifty random kills with each of sbdf, adaptive-strang, dcs and sdc, and with sbdf in two dimensions
 #
 # Without arguments all of them. The status is the number of parts that failed; each part says how it went.
@@ -56,7 +57,7 @@ part_delays() {
   build_release || return 1
   local seed test failed=0
   for seed in $(seq 20); do
-    for test in agree decomposition halo space checkpoint; do
+    for test in agree decomposition halo space checkpoint rock4 reaction_balance; do
       STIFFRONT_DELAY_SEED=$seed "$mpiexec" -n 3 "build/release/mpi-tests/${test}_mpi_test" >/dev/null || {
         echo "STIFFRONT_DELAY_SEED=$seed: ${test}_mpi_test fails"
         failed=1
@@ -110,8 +111,10 @@ part_kills() {
   return $failed
 }
 
+part_bits() { build_release && bash mpi-tests/same_bits_matrix.sh "$PWD/build/release/stiffront" "$mpiexec"; }
+
 parts=("$@")
-[ $# -gt 0 ] || parts=(sanitizers threads valgrind delays fuzz kills)
+[ $# -gt 0 ] || parts=(sanitizers threads valgrind delays fuzz bits kills)
 failures=0
 for part in "${parts[@]}"; do
   say "nightly: $part"

@@ -80,3 +80,11 @@ same_bits_test(sdc-flame pulsating-flame-1d "${lines}" "grid.points=[401]" "grid
 same_bits_test(strang-textbook pulsating-flame-1d "${lines}" "grid.points=[401]" "grid.upper=[15]" "method={name=\"strang\", step=1e-4}"
   diffusion_solver.name=crank-nicolson reaction_solver.name=trapezoidal time.end=1e-3)
 restart_test(sdc-flame pulsating-flame-1d 3 "grid.points=[401]" "grid.upper=[15]" method.step=1e-3 time.end=1e-2)
+
+# A sample of what mpi-tests/nightly.sh runs in full: up to eight ranks, balance of the reaction, depth of halos.
+add_test(NAME same_bits.matrix
+  COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/same_bits_matrix.sh $<TARGET_FILE:stiffront_program> ${MPIEXEC_EXECUTABLE} short)
+set_tests_properties(same_bits.matrix PROPERTIES PROCESSORS 4 TIMEOUT 240 LABELS "mpi;program" ENVIRONMENT "${STIFFRONT_MPI_ENVIRONMENT}")
+add_test(NAME program.counts
+  COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/counts.sh $<TARGET_FILE:stiffront_program> ${MPIEXEC_EXECUTABLE})
+set_tests_properties(program.counts PROPERTIES PROCESSORS 4 TIMEOUT 120 LABELS "mpi;program" ENVIRONMENT "${STIFFRONT_MPI_ENVIRONMENT}")

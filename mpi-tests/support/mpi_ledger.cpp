@@ -15,6 +15,7 @@ namespace {
 
 struct Ledger {
   std::set<MPI_Request> requests;
+  std::set<MPI_Request> open;
   std::map<MPI_Comm, std::uint64_t> communicators;  ///< with a digest of the collective calls made on each
   std::set<MPI_Datatype> types;
   std::set<MPI_Op> operations;
@@ -28,7 +29,7 @@ Ledger& ledger() {
   return *it;
 }
 
-enum Call : std::uint64_t { allreduce = 1, bcast, barrier, reduce, gather, gatherv, allgather, allgatherv, scan, exscan, dup, split };
+enum Call : std::uint64_t { allreduce = 1, bcast, barrier, reduce, gather, gatherv, allgather, allgatherv, scan, exscan, dup, split, iallgather };
 
 /// With STIFFRONT_DELAY_SEED set, up to two milliseconds before a call, different on every rank: what only works if ranks arrive together
 /// shows.
@@ -67,7 +68,7 @@ namespace stiffront::testing {
 
 MpiFindings mpi_findings() {
   const Ledger& l = ledger();
-  return {static_cast<int>(l.requests.size()), static_cast<int>(l.communicators.size()), static_cast<int>(l.types.size()),
+  return {static_cast<int>(l.requests.size()), static_cast<int>(l.open.size()), static_cast<int>(l.communicators.size()), static_cast<int>(l.types.size()),
           static_cast<int>(l.operations.size()), l.stray_messages, l.unequal_collectives};
 }
 
@@ -85,6 +86,39 @@ int MPI_Recv_init(void* buffer, int count, MPI_Datatype type, int from, int tag,
   const int status = PMPI_Recv_init(buffer, count, type, from, tag, comm, request);
   if (status == MPI_SUCCESS) ledger().requests.insert(*request);
   return status;
+}
+
+int MPI_Isend(const void* buffer, int count, MPI_Datatype type, int to, int tag, MPI_Comm comm, MPI_Request* request) {
+  delay();
+  const int status = PMPI_Isend(buffer, count, type, to, tag, comm, request);
+  if (status == MPI_SUCCESS && to != MPI_PROC_NULL) ledger().open.insert(*request);
+  return status;
+}
+
+int MPI_Irecv(void* buffer, int count, MPI_Datatype type, int from, int tag, MPI_Comm comm, MPI_Request* request) {
+  const int status = PMPI_Irecv(buffer, count, type, from, tag, comm, request);
+  if (status == MPI_SUCCESS && from != MPI_PROC_NULL) ledger().open.insert(*request);
+  return status;
+}
+
+int MPI_Iallgather(const void* in, int n_in, MPI_Datatype t_in, void* out, int n_out, MPI_Datatype t_out, MPI_Comm comm,
+                   MPI_Request* request) {
+  note(comm, iallgather, n_in, t_in);
+  const int status = PMPI_Iallgather(in, n_in, t_in, out, n_out, t_out, comm, request);
+  if (status == MPI_SUCCESS) ledger().open.insert(*request);
+  return status;
+}
+
+int MPI_Wait(MPI_Request* request, MPI_Status* result) {
+  delay();
+  ledger().open.erase(*request);
+  return PMPI_Wait(request, result);
+}
+
+int MPI_Waitall(int count, MPI_Request* requests, MPI_Status* results) {
+  delay();
+  for (int n = 0; n < count; ++n) ledger().open.erase(requests[n]);
+  return PMPI_Waitall(count, requests, results);
 }
 
 int MPI_Startall(int count, MPI_Request* requests) {
