@@ -28,7 +28,7 @@ using namespace stiffront;
 using namespace stiffront::sbdf_stability;
 
 // Largest growth of a step, orders 1..5.
-constexpr std::array growth_limit{2.0, 1.8, 1.4, 1.25, 1.2};
+constexpr std::array growth_limit{4.0, 2.2, 1.7, 1.45, 1.35};
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 

@@ -18,10 +18,10 @@ constexpr double worth_raising = 1.2;
 constexpr double worth_lowering = 0.9;
 /// Largest ratio of a step to the one before, by order, if held for order + 1 steps: disturbances then grow by factors
 /// below 4 (docs/sbdf-stability.md).
-constexpr std::array<double, 6> max_growth{0.0, 3.0, 1.8, 1.4, 1.25, 1.2};
+constexpr std::array<double, 6> max_growth{0.0, 4.0, 2.2, 1.7, 1.45, 1.35};
 
 /// What max_growth makes of a step in eight, by order: where the step may grow much, a low order gets there sooner.
-constexpr std::array<double, 7> reach{0.0, 81.0, 4.80, 1.96, 1.43, 1.28, 0.0};
+constexpr std::array<double, 7> reach{0.0, 256.0, 8.19, 2.89, 1.81, 1.49, 0.0};
 
 /// Ringing: the error at order 2, over the tolerance, up to which it may pay to use quiet orders; steps at order 1
 /// before that, and steps after which it must have paid; the growth of the step that counts as such.
@@ -33,6 +33,8 @@ constexpr int trial_steps = 100;
 constexpr double growing = 1.3;
 
 }  // namespace
+
+double BdfControl::aim_of_start() { return 1.0 / bias_of_start; }
 
 double BdfControl::ratio_for(double error, int order) const {
   if (std::isnan(error)) return 0.0;

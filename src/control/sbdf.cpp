@@ -245,6 +245,23 @@ void Sbdf::ensure_slope(double t, Field& u) {
   has_slope_ = true;
 }
 
+template <class F>
+double Sbdf::scaled_norm(Agreement& a, const Field& u, F&& value) const {
+  a.sums[0].reset();
+  for (int j = free_.j_begin; j < free_.j_end; ++j) {
+    for (int i = free_.i_begin; i < free_.i_end; ++i) {
+      double sum = 0.0;
+      for (int s = 0; s < u.n_species(); ++s) {
+        const double x = value(s, i, j) / (options_.relative_tolerance * std::abs(u.at(s, i, j)) + absolute_[static_cast<std::size_t>(s)]);
+        sum += x * x;
+      }
+      a.sums[0].add(sum * sum);
+    }
+  }
+  comm_->agree(a);
+  return norm(a.sums[0]);
+}
+
 double Sbdf::first_step(double t, double t_end, Field& u) {
   ensure_slope(t, u);
   // The scales, and the slope in them: |F| by the norm of the error test.
@@ -263,24 +280,21 @@ double Sbdf::first_step(double t, double t_end, Field& u) {
   comm_->agree(a);
   update_tolerances(a.maxima);
   if (options_.initial_step > 0.0) return std::min(options_.initial_step, t_end - t);
-  a.sums[0].reset();
-  for (int j = free_.j_begin; j < free_.j_end; ++j) {
-    for (int i = free_.i_begin; i < free_.i_end; ++i) {
-      double sum = 0.0;
-      for (int s = 0; s < u.n_species(); ++s) {
-        const double x = f.at(s, i, j) / (options_.relative_tolerance * std::abs(u.at(s, i, j)) +
-                                          absolute_[static_cast<std::size_t>(s)]);
-        sum += x * x;
-      }
-      a.sums[0].add(sum * sum);
-    }
-  }
-  comm_->agree(a);
-  const double speed = norm(a.sums[0]);
   // Species that begin at zero may change by far more than their tolerance in any step, though not by more than the step can
   // follow: such a speed must not keep the step below what time resolves.
   const double shortest = 100.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), t_end - t);
-  const double h = speed > 0.0 ? std::max(0.5 / speed, shortest) : 1e-3 * (t_end - t);
+  const double speed = scaled_norm(a, u, [&](int s, int i, int j) { return f.at(s, i, j); });
+  if (!(speed > 0.0)) return cap_step(1, 1e-3 * (t_end - t));
+  const double short_step = std::max(0.5 / speed, shortest);
+  // An explicit Euler step of half a tolerance shows the second derivative, and that the error of a step at order 1.
+  for (int s = 0; s < u.n_species(); ++s) {
+    for (int j = free_.j_begin; j < free_.j_end; ++j) {
+      for (int i = free_.i_begin; i < free_.i_end; ++i) work_.at(s, i, j) = u.at(s, i, j) + short_step * f.at(s, i, j);
+    }
+  }
+  rhs_->evaluate(t + short_step, work_, right_side_);
+  const double bend = scaled_norm(a, u, [&](int s, int i, int j) { return right_side_.at(s, i, j) - f.at(s, i, j); }) / short_step;
+  const double h = std::min(std::sqrt(BdfControl::aim_of_start() / bend), 1000.0 * short_step);
   return cap_step(1, std::min(h, t_end - t));
 }
 

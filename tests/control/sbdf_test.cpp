@@ -320,7 +320,7 @@ TEST(Sbdf, GivesUpHighOrdersOnADampedOscillatorNearTheImaginaryAxis) {
     Observer nobody;
     evolve(method, schedule, c.u, progress, nobody);
     // The high orders alone need 2300 steps, CVODE 3100.
-    EXPECT_LT(progress.accepted, 500);
+    EXPECT_LT(3 * progress.accepted, 2300);
     EXPECT_LT(progress.rejected, 0.05 * static_cast<double>(progress.accepted));
     EXPECT_NE(method.closing_note().find("oscillation"), std::string::npos) << method.closing_note();
     // The oscillator is slaved: v = u^2 to within the front's time scale over the damping.

@@ -32,6 +32,9 @@ class BdfControl {
  public:
   explicit BdfControl(int max_order) : max_order_(max_order) {}
 
+  /// The error of a step, over the tolerance, that is aimed at while the step grows from the first one.
+  static double aim_of_start();
+
   int order() const { return order_; }
   /// Whether the next step should come with the errors at the neighbouring orders; or the one after `ahead` more, if these
   /// are accepted and change neither size nor order.
