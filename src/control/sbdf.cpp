@@ -294,7 +294,8 @@ double Sbdf::first_step(double t, double t_end, Field& u) {
   }
   rhs_->evaluate(t + short_step, work_, right_side_);
   const double bend = scaled_norm(a, u, [&](int s, int i, int j) { return right_side_.at(s, i, j) - f.at(s, i, j); }) / short_step;
-  const double h = std::min(std::sqrt(BdfControl::aim_of_start() / bend), 1000.0 * short_step);
+  // At the edge of where the rates are defined the explicit step may leave it.
+  const double h = std::isfinite(bend) ? std::min(std::sqrt(BdfControl::aim_of_start() / bend), 1000.0 * short_step) : short_step;
   return cap_step(1, std::min(h, t_end - t));
 }
 

@@ -411,6 +411,31 @@ TEST(Sbdf, ASpeciesThatBeginsAtZeroDoesNotStopTheRun) {
   EXPECT_LT(c.run(1e-4, 0.5).accepted, 3000);
 }
 
+/// Rates with a square root, defined on one side of zero only.
+struct Draining {
+  static constexpr int n_species = 1;
+  static constexpr const char* name = "draining";
+  static constexpr const char* source = "test";
+  static constexpr std::array<const char*, 1> species{"u"};
+  static constexpr std::array<double, 1> diffusion{0.0};
+  static constexpr std::array<Parameter<Draining>, 0> parameters{};
+  static constexpr std::array<Profile<Draining>, 0> profiles{};
+
+  template <class T, class P>
+  void rates(const T* u, T* du, const P&) const {
+    du[0] = sqrt(u[0] - 1.0) - 1e-3;
+  }
+};
+
+TEST(Sbdf, BeginsAtTheEdgeOfWhereRatesAreDefined) {
+  Case<Draining> c(unit_grid(5, 1), {0.0});
+  c.u = c.problem.field([](int, double, double) { return 1.0; });
+  Sbdf method(c.u, c.rhs, c.model, SbdfOptions{});
+  const double h = method.first_step(0.0, 1.0, c.u);
+  EXPECT_GT(h, 0.0);
+  EXPECT_LT(h, 1.0);
+}
+
 TEST(Sbdf, BeginsWhereTheFieldIsSwitchedOnAndSomeIonsAreNotThereYet) {
   Case<Discharge> c(Grid{1, {101, 1}, {0.0, 0.0}, {0.05, 1.0}}, {50.0, 50.0, 50.0});
   c.model.initialise("discharge-seed", c.u);
