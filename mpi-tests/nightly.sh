@@ -48,6 +48,7 @@ part_valgrind() {
   cmake --build build/valgrind --target "${tests[@]/%/_mpi_test}" || return 1
   for test in "${tests[@]}"; do
     "$mpiexec" -n 2 valgrind --quiet --error-exitcode=9 --suppressions=/usr/share/openmpi/openmpi-valgrind.supp \
+      --suppressions=mpi-tests/support/valgrind.supp \
       "build/valgrind/mpi-tests/${test}_mpi_test" || failed=1
   done
   return $failed
