@@ -245,37 +245,31 @@ void Sbdf::ensure_slope(double t, Field& u) {
   has_slope_ = true;
 }
 
-template <class F>
-double Sbdf::scaled_norm(Agreement& a, const Field& u, F&& value) const {
-  a.sums[0].reset();
-  for (int j = free_.j_begin; j < free_.j_end; ++j) {
-    for (int i = free_.i_begin; i < free_.i_end; ++i) {
-      double sum = 0.0;
-      for (int s = 0; s < u.n_species(); ++s) {
-        const double x = value(s, i, j) / (options_.relative_tolerance * std::abs(u.at(s, i, j)) + absolute_[static_cast<std::size_t>(s)]);
-        sum += x * x;
-      }
-      a.sums[0].add(sum * sum);
-    }
-  }
+double Sbdf::scaled_norm(const Field& u, std::span<const Field* const> states, const BdfWeights& weights) {
+  bdf_combine(states, weights, weights, rows_of(predictor_), rows_of(work_), free_);
+  Agreement a(1, 0);
+  bdf_add_difference(u, rows_of(std::as_const(work_)), {options_.relative_tolerance, absolute_}, free_, a.sums[0]);
   comm_->agree(a);
   return norm(a.sums[0]);
 }
 
 double Sbdf::first_step(double t, double t_end, Field& u) {
   ensure_slope(t, u);
-  // The scales, and the slope in them: |F| by the norm of the error test.
   const Field& f = ring(0);
   const auto m = static_cast<std::size_t>(u.n_species());
-  Agreement a(1, 2 * u.n_species());
+  Agreement a(0, 2 * u.n_species());
   for (std::size_t s = 0; s < m; ++s) {
+    double largest = 0.0;
+    double smallest = 0.0;
     for (int j = free_.j_begin; j < free_.j_end; ++j) {
+      const double* const row = u.row(static_cast<int>(s), j);
       for (int i = free_.i_begin; i < free_.i_end; ++i) {
-        const double x = u.at(static_cast<int>(s), i, j);
-        a.maxima[s] = std::max(a.maxima[s], x);
-        a.maxima[m + s] = std::max(a.maxima[m + s], -x);
+        largest = std::max(largest, row[i]);
+        smallest = std::min(smallest, row[i]);
       }
     }
+    a.maxima[s] = largest;
+    a.maxima[m + s] = -smallest;
   }
   comm_->agree(a);
   update_tolerances(a.maxima);
@@ -283,20 +277,18 @@ double Sbdf::first_step(double t, double t_end, Field& u) {
   // Species that begin at zero may change by far more than their tolerance in any step, though not by more than the step can
   // follow: such a speed must not keep the step below what time resolves.
   const double shortest = 100.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), t_end - t);
-  const double speed = scaled_norm(a, u, [&](int s, int i, int j) { return f.at(s, i, j); });
-  if (!(speed > 0.0)) return cap_step(1, 1e-3 * (t_end - t));
+  const double span = t_end - t;
+  const double speed = scaled_norm(u, std::array{&std::as_const(u), &f}, {1.0, span}) / span;
+  if (!(speed > 0.0)) return cap_step(1, 1e-3 * span);
   const double short_step = std::max(0.5 / speed, shortest);
   // An explicit Euler step of half a tolerance shows the second derivative, and that the error of a step at order 1.
-  for (int s = 0; s < u.n_species(); ++s) {
-    for (int j = free_.j_begin; j < free_.j_end; ++j) {
-      for (int i = free_.i_begin; i < free_.i_end; ++i) work_.at(s, i, j) = u.at(s, i, j) + short_step * f.at(s, i, j);
-    }
-  }
+  const BdfWeights euler{1.0, short_step};
+  bdf_combine(std::array{&std::as_const(u), &f}, euler, euler, rows_of(predictor_), rows_of(work_), free_);
   rhs_->evaluate(t + short_step, work_, right_side_);
-  const double bend = scaled_norm(a, u, [&](int s, int i, int j) { return right_side_.at(s, i, j) - f.at(s, i, j); }) / short_step;
+  const double bend = scaled_norm(u, std::array{&std::as_const(u), &std::as_const(right_side_), &f}, {1.0, span, -span}) / (span * short_step);
   // At the edge of where the rates are defined the explicit step may leave it.
   const double h = std::isfinite(bend) ? std::min(std::sqrt(BdfControl::aim_of_start() / bend), 1000.0 * short_step) : short_step;
-  return cap_step(1, std::min(h, t_end - t));
+  return cap_step(1, std::min(h, span));
 }
 
 void Sbdf::sweep(const Step& step, double t_new, const Field& v, Field& out, double shift) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -120,9 +121,8 @@ class Sbdf final : public Method {
   void ensure_slope(double t, Field& u);
   void update_tolerances(std::span<const double> extremes);
   double norm(const ReproducibleSum& sum) const;
-  /// Of value(s, i, j), in the norm and scales of the error test. The maxima of `a` are agreed on along with it.
-  template <class F>
-  double scaled_norm(Agreement& a, const Field& u, F&& value) const;
+  /// Of the combination of states less u, in the norm of the error test at u. @mpi collective
+  double scaled_norm(const Field& u, std::span<const Field* const> states, const BdfWeights& weights);
   /// Makes the new state, and likely next ones, and adds up their errors.
   void make_steps(double t, double dt, const Step& step, const Field& u, Field& u_new);
   bool is_in_wavefront(const Step& step) const { return wavefront_ && step.sweeps > 0 && wavefront_->covers(step.sweeps); }
