@@ -248,7 +248,9 @@ void Sbdf::ensure_slope(double t, Field& u) {
 double Sbdf::scaled_norm(const Field& u, std::span<const Field* const> states, const BdfWeights& weights) {
   bdf_combine(states, weights, weights, rows_of(predictor_), rows_of(work_), free_);
   Agreement a(1, 0);
-  bdf_add_difference(u, rows_of(std::as_const(work_)), {options_.relative_tolerance, absolute_}, free_, a.sums[0]);
+  const std::array references{rows_of(std::as_const(work_))};
+  std::vector<Pack> extremes(extremes_.size(), Pack(0.0));
+  bdf_add_differences(u, references, {options_.relative_tolerance, absolute_}, free_, a.sums, extremes);
   comm_->agree(a);
   return norm(a.sums[0]);
 }
@@ -328,14 +330,13 @@ std::span<const double> Sbdf::shifts_of(const Step& step) const {
 }
 
 void Sbdf::add_errors(Made& made, const Field& u_new, const BdfPredictors& predictors, bool tested, const FreeBox& box) {
-  const BdfTolerances tolerances{options_.relative_tolerance, absolute_};
-  if (!made.step.tests_order) {
-    made.is_negative |= bdf_add_difference(u_new, predictors.same, tolerances, box, made.sums[0]);
-  } else if (tested) {
-    const bool with_upper = made.step.upper_factor > 0.0 || made.step.second_factor > 0.0;
-    bdf_add_order_differences(u_new, predictors, with_upper, tolerances, box, {made.sums[1], made.sums[0], made.sums[2]},
-                              made.extremes);
+  std::array<ConstRows, 3> references{predictors.same, predictors.lower, predictors.upper};
+  std::size_t count = 1;
+  if (made.step.tests_order) {
+    if (!tested) return;
+    count = made.step.upper_factor > 0.0 || made.step.second_factor > 0.0 ? 3 : 2;
   }
+  bdf_add_differences(u_new, std::span(references).first(count), {options_.relative_tolerance, absolute_}, box, made.sums, made.extremes);
 }
 
 void Sbdf::make_by_sweeps(const Made& made, std::span<const Field* const> states, Field& u_new) {
@@ -385,7 +386,6 @@ void Sbdf::make_steps(double t, double dt, const Step& step, const Field& u, Fie
     made.step = k == 0 ? step : plan(dt, static_cast<int>(k));
     for (ReproducibleSum& sum : made.sums) sum.reset();
     std::fill(made.extremes.begin(), made.extremes.end(), Pack(0.0));
-    made.is_negative = false;
     t_made += dt;
   }
   // The states from the newest that any of the steps starts from.
@@ -438,7 +438,6 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
 
   if (!take_made(t, dt, step, u_new)) make_steps(t, dt, step, u, u_new);
   const Made& made = made_[next_made_ - 1];
-  bool is_negative = made.is_negative;
   std::copy(made.sums.begin(), made.sums.end(), agreement_.sums.begin());
   std::fill(agreement_.maxima.begin(), agreement_.maxima.end(), 0.0);
   const auto passes = static_cast<std::int64_t>(shifts_of(step).size());
@@ -451,14 +450,13 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   agreement_.flags = flags;
   if (step.tests_order) {
     for (std::size_t s = 0; s < made.extremes.size(); ++s) agreement_.maxima[s] = max_lane(made.extremes[s]);
-    const auto sizes = agreement_.maxima.begin();  // largest v_s, then largest -v_s
-    is_negative = std::any_of(sizes + u.n_species(), sizes + 2 * u.n_species(), [](double x) { return x > 0.0; });
     if (control_.wants_quiet_order()) {
       agreement_.maxima.back() =
           options_.max_order - highest_quiet_order(options_.max_order, t_new, control_.suspected_dt(), u_new, *model_, free_);
     }
   }
-  if (is_negative) agreement_.flags |= step_flags::negative;
+  const auto is_positive = [](const Pack& x) { return max_lane(x) > 0.0; };
+  if (std::any_of(made.extremes.begin() + u.n_species(), made.extremes.end(), is_positive)) agreement_.flags |= step_flags::negative;
   comm_->agree(agreement_);
   if (step.lower_factor > 0.0) errors.lower = step.lower_factor * norm(agreement_.sums[1]);
   if (step.upper_factor > 0.0) errors.upper = step.upper_factor * norm(agreement_.sums[2]);

@@ -8,6 +8,8 @@
 namespace stiffront {
 namespace {
 
+constexpr double huge = 0x1p960;  ///< what is not smaller has no bin
+
 /// 2^n for n in -1022 .. 1023; ldexp is a call, and a step of a small problem makes dozens.
 double power_of_two(int n) { return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52); }
 
@@ -25,13 +27,17 @@ void ReproducibleSum::set_top(int top) {
 }
 
 void ReproducibleSum::flush() {
-  if (top_ >= min_top) {
+  if (deposits_ > 0) {
     for (int k = 0; k < levels; ++k) {
       // In units of the bin, in two factors since the inverse of the smallest unit overflows.
       const int exponent = -bin_bits * (top_ - k);
       const double half = power_of_two(exponent / 2);
       const double rest = power_of_two(exponent - exponent / 2);
-      for (int l = 0; l < pack_size; ++l) total_[k] += static_cast<std::int64_t>((part_[k][l] * half) * rest);
+      typedef std::int64_t Integers __attribute__((vector_size(pack_size * sizeof(std::int64_t))));  // NOLINT: an alias loses the attribute
+      const Integers lanes = __builtin_convertvector(((part_[k] * Pack(half)) * Pack(rest)).v, Integers);
+      std::int64_t sum = 0;  // of at most 2^51 each
+      for (int l = 0; l < pack_size; ++l) sum += lanes[l];
+      total_[k] += sum;
       part_[k] = Pack(0.0);
     }
   }
@@ -48,21 +54,64 @@ void ReproducibleSum::shift_to(int top) {
 
 Pack ReproducibleSum::raise(Pack x) {
   flush();
-  double largest = 0.0;
-  for (int l = 0; l < pack_size; ++l) {
-    const double v = x[l];
-    if (std::isnan(v) || std::abs(v) >= 0x1p960) {
+  if (!all(abs(x) < Pack(huge))) {
+    for (int l = 0; l < pack_size; ++l) {
+      const double v = x[l];
+      if (std::abs(v) < huge) continue;
       special_ |= std::isnan(v) ? 1 : (v > 0 ? 2 : 4);
       x.set(l, 0.0);
-    } else if (std::abs(v) > largest) {
-      largest = std::abs(v);
     }
   }
-  // The bin that holds the largest: its exponent over bin_bits, rounded down.
-  const int exponent = largest > 0.0 ? std::ilogb(largest) : bin_bits * min_top;
+  // The bin that holds the largest: its exponent over bin_bits, rounded down. What is subnormal is in the lowest.
+  const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(max_lane(abs(x))) >> 52) - 1023;
   const int top = std::max(min_top, (exponent - bin_bits * min_top) / bin_bits + min_top);
   if (top > top_) shift_to(top);
   return x;
+}
+
+void ReproducibleSum::add(std::span<const Pack> terms) {
+  const auto deposits = static_cast<int>(terms.size());
+  Pack even(0.0);
+  Pack odd(0.0);
+  std::size_t n = 0;
+  for (; n + 2 <= terms.size(); n += 2) {
+    even += terms[n];
+    odd += terms[n + 1];
+  }
+  if (n < terms.size()) even += terms[n];
+  const Pack sum = even + odd;
+  if (!all(sum < Pack(bound_)) || deposits_ + deposits > max_deposits) {
+    if (!all(sum < Pack(huge)) || deposits_ + deposits > max_deposits) {
+      for (const Pack& x : terms) add(x);
+      return;
+    }
+    Pack largest(0.0);
+    for (const Pack& x : terms) largest = max(largest, x);
+    raise(largest);
+  }
+  // In registers, and the bins by number: a call or a loop over them would keep everything in memory.
+  static_assert(levels == 3);
+  const Pack offset_0(offset_[0]);
+  const Pack offset_1(offset_[1]);
+  const Pack offset_2(offset_[2]);
+  Pack part_0 = part_[0];
+  Pack part_1 = part_[1];
+  Pack part_2 = part_[2];
+  for (Pack x : terms) {
+    const Pack q_0 = (x + offset_0) - offset_0;
+    x -= q_0;
+    const Pack q_1 = (x + offset_1) - offset_1;
+    x -= q_1;
+    const Pack q_2 = (x + offset_2) - offset_2;
+    part_0 += q_0;
+    part_1 += q_1;
+    part_2 += q_2;
+  }
+  part_[0] = part_0;
+  part_[1] = part_1;
+  part_[2] = part_2;
+  deposits_ += deposits;
+  if (deposits_ == max_deposits) flush();
 }
 
 void ReproducibleSum::merge(const ReproducibleSum& other) {

@@ -28,23 +28,6 @@ struct BdfTolerances {
   std::span<const double> absolute;  ///< one per species, > 0
 };
 
-/// Adds, over the cells of the box, the square of the sum over species of ((v - reference)/(absolute + relative
-/// |v|))^2.
-///
-/// The error norm is the fourth root of the mean: a spot of 1 % of the cells enters with a third of its size, where it
-/// would enter the root mean square with a tenth.
-/// @return whether v is negative anywhere
-bool bdf_add_difference(const Field& v, const ConstRows& reference, const BdfTolerances& tolerances, const FreeBox& box,
-                        ReproducibleSum& sum);
-
-/// What a test of other orders needs: sums as above of the differences of v to the predictor in use and to those of a
-/// lower and a higher order.
-struct BdfOrderSums {
-  ReproducibleSum& lower;
-  ReproducibleSum& same;
-  ReproducibleSum& upper;
-};
-
 /// Predictors at the points of some box.
 struct BdfPredictors {
   ConstRows same;
@@ -52,11 +35,15 @@ struct BdfPredictors {
   ConstRows upper;
 };
 
-/// Gathers them in one pass.
-/// @param with_upper whether the upper sum is wanted
+/// Adds, for one to three references, over the cells of the box, the square of the sum over species of
+/// ((v - reference)/(absolute + relative |v|))^2, in one pass.
+///
+/// The error norm is the fourth root of the mean: a spot of 1 % of the cells enters with a third of its size, where it
+/// would enter the root mean square with a tenth.
+/// @param sums one per reference
 /// @param extremes largest v_s and then largest -v_s so far, one pack per species each, raised lane by lane where v is
 /// larger
-void bdf_add_order_differences(const Field& v, const BdfPredictors& predictors, bool with_upper, const BdfTolerances& tolerances,
-                               const FreeBox& box, const BdfOrderSums& sums, std::span<Pack> extremes);
+void bdf_add_differences(const Field& v, std::span<const ConstRows> references, const BdfTolerances& tolerances, const FreeBox& box,
+                         std::span<ReproducibleSum> sums, std::span<Pack> extremes);
 
 }  // namespace stiffront

@@ -106,7 +106,6 @@ class Sbdf final : public Method {
     Step step;
     std::array<ReproducibleSum, 3> sums;  ///< of squared errors: at the step's own order, the lower and the upper
     std::vector<Pack> extremes;           ///< largest v_s and then largest -v_s, by lanes
-    bool is_negative = false;             ///< somewhere
   };
 
   /// How a step deals with diffusion, and at what price in sweeps.
