@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace stiffront {
@@ -62,6 +63,31 @@ TEST(ReproducibleSum, IsIndependentOfTheLane) {
   ReproducibleSum packed;
   for (std::size_t i = 0; i + pack_size <= x.size(); i += pack_size) packed.add(Pack::load(&x[i]));
   EXPECT_EQ(packed.value(), expected);
+}
+
+TEST(ReproducibleSum, TakesManyPacksAtOnceAsItTakesThemOneByOne) {
+  for (int range : {2, 60, 300}) {
+    std::vector<double> x = wild_terms(6001 * pack_size, 5, range);
+    for (double& v : x) v = std::abs(v);
+    for (double odd : {0.0, 5e-324, 1e300, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+      x[x.size() / 2] = odd;
+      std::vector<Pack> packs;
+      for (std::size_t i = 0; i < x.size(); i += pack_size) packs.push_back(Pack::load(&x[i]));
+      ReproducibleSum one_by_one;
+      for (const Pack& p : packs) one_by_one.add(p);
+      ReproducibleSum together;
+      std::span<const Pack> rest(packs);
+      for (std::size_t n = 0; !rest.empty(); rest = rest.subspan(n)) {
+        n = std::min(rest.size(), n % 16 + 1);
+        together.add(rest.first(n));
+      }
+      if (std::isnan(odd)) {
+        EXPECT_TRUE(std::isnan(together.value()));
+      } else {
+        EXPECT_EQ(together.value(), one_by_one.value()) << range << ' ' << odd;
+      }
+    }
+  }
 }
 
 TEST(ReproducibleSum, SurvivesCancellationThatDefeatsAPlainSum) {
