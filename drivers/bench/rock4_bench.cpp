@@ -10,18 +10,18 @@ namespace {
 
 using namespace stiffront;
 
-/// Arguments: points per side, species, order of the differences, stages.
+/// Arguments: points along x and y, species, order of the differences, stages, stages per pass over memory (0: chosen).
 void rock4_step(benchmark::State& state) {
   const Communicator comm(MPI_COMM_WORLD);
   Grid grid;
-  grid.dimension = 2;
-  grid.points = {state.range(0), state.range(0)};
-  const int n_species = static_cast<int>(state.range(1));
-  const int stages = static_cast<int>(state.range(3));
+  grid.dimension = state.range(1) > 1 ? 2 : 1;
+  grid.points = {state.range(0), state.range(1)};
+  const int n_species = static_cast<int>(state.range(2));
+  const int stages = static_cast<int>(state.range(4));
   const Decomposition decomposition(comm, grid, {0, 0}, 4);
   const Boundary boundary = Boundary::natural(grid);
   const DiffusionOperator diffusion(grid, boundary, std::vector<double>(static_cast<std::size_t>(n_species), 1.0),
-                                    static_cast<int>(state.range(2)));
+                                    static_cast<int>(state.range(3)));
   Field u(decomposition, n_species, diffusion.halo_width());
   for (int s = 0; s < n_species; ++s) {
     for (int j = 0; j < u.n_y(); ++j) {
@@ -29,7 +29,7 @@ void rock4_step(benchmark::State& state) {
     }
   }
   // A tolerance that accepts every step, so that each call is one step of the number of stages asked for.
-  Rock4 flow(decomposition, diffusion, {1.0, std::vector<double>(static_cast<std::size_t>(n_species), 1e9)});
+  Rock4 flow(decomposition, diffusion, {1.0, std::vector<double>(static_cast<std::size_t>(n_species), 1e9)}, static_cast<int>(state.range(5)));
   const double dt = rock4_interval(stages) * (1.0 - 1e-12) / diffusion.spectral_radius();
   const double first[] = {dt};
   Work work;
@@ -46,12 +46,12 @@ void rock4_step(benchmark::State& state) {
 
 // In cache, and out of cache.
 BENCHMARK(rock4_step)
-    ->ArgNames({"points", "species", "order", "stages"})
-    ->Args({256, 1, 2, 20})
-    ->Args({256, 1, 4, 20})
-    ->Args({1024, 3, 2, 20})
-    ->Args({1024, 3, 4, 20})
-    ->Args({1024, 3, 2, 40})
+    ->ArgNames({"x", "y", "species", "order", "stages", "depth"})
+    ->ArgsProduct({{256}, {256}, {1}, {2, 4}, {20}, {1, 0}})
+    ->ArgsProduct({{1024}, {1024}, {3}, {2, 4}, {20}, {1, 2, 5, 10, 0}})
+    ->ArgsProduct({{1024}, {1024}, {3}, {2}, {40}, {0}})
+    ->ArgsProduct({{4096}, {4096}, {1}, {2, 4}, {20}, {1, 0}})
+    ->ArgsProduct({{1 << 20}, {1}, {3}, {2, 4}, {20}, {1, 0}})
     ->Unit(benchmark::kMillisecond)
     ->Iterations(20)
     ->UseRealTime();

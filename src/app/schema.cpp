@@ -431,8 +431,8 @@ std::vector<Key> solver_keys() {
       number("diffusion_solver.tolerance", positive, STIFFRONT_OPTION(diffusion_solver.tolerance),
              "its relative and absolute tolerance"),
       integer("diffusion_solver.halo_depth", from(0, 64), STIFFRONT_OPTION(diffusion_solver.halo_depth),
-              "stages per exchange of halos, as far as the processes' parts of the grid allow; 0: chosen by the program. Results do not "
-              "depend on it"),
+              "stages per pass over memory and exchange of halos, as far as the processes' parts of the grid allow; 0: chosen by the "
+              "program. Results do not depend on it"),
       choice("reaction_solver.name", STIFFRONT_OPTION(reaction_solver.name),
              "integrator of the reaction flow; \"trapezoidal\": one step of second order, for lie and strang"),
       number("reaction_solver.tolerance", positive, STIFFRONT_OPTION(reaction_solver.tolerance),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stiffront/mesh/boundary.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace stiffront {
@@ -46,8 +47,17 @@ std::int64_t Boundary::free_points(const Grid& grid) const {
 
 namespace {
 
-/// Fills `width` points beyond the end of a line of points that starts at `end` and goes inwards with stride `in`.
-void fill_line(double* end, std::ptrdiff_t in, int width, BoundaryKind kind) {
+/// The cubic through four points at their left; by differences, so that constants are continued exactly.
+double extrapolated(double p0, double p1, double p2, double p3) {
+  const double d0 = p0 - p1;
+  const double d1 = p1 - p2;
+  const double d2 = p2 - p3;
+  return p0 + (3.0 * (d0 - d1) + d2);
+}
+
+}  // namespace
+
+void continue_line(double* end, std::ptrdiff_t in, int width, BoundaryKind kind) {
   if (kind == BoundaryKind::neumann) {
     for (int k = 1; k <= width; ++k) end[-k * in] = end[k * in];
     return;
@@ -56,15 +66,22 @@ void fill_line(double* end, std::ptrdiff_t in, int width, BoundaryKind kind) {
   if (kind != BoundaryKind::dirichlet || width < 2) return;
   for (int k = 1; k <= width; ++k) {
     const double* p = end - (k - 1) * in;
-    // By differences, so that constants are continued exactly.
-    const double d0 = p[0] - p[in];
-    const double d1 = p[in] - p[2 * in];
-    const double d2 = p[2 * in] - p[3 * in];
-    end[-k * in] = p[0] + (3.0 * (d0 - d1) + d2);
+    end[-k * in] = extrapolated(p[0], p[in], p[2 * in], p[3 * in]);
   }
 }
 
-}  // namespace
+void continue_rows(const Rows& u, int species, int end, int in, int width, BoundaryKind kind, int i_begin, int i_end) {
+  for (int k = 1; k <= width; ++k) {
+    double* const out = u.row(species, end - k * in);
+    if (kind == BoundaryKind::neumann) {
+      std::copy(u.row(species, end + k * in) + i_begin, u.row(species, end + k * in) + i_end, out + i_begin);
+    } else if (kind == BoundaryKind::dirichlet && width > 1) {
+      const double* p[4];
+      for (int l = 0; l < 4; ++l) p[l] = u.row(species, end + (l + 1 - k) * in);
+      for (int i = i_begin; i < i_end; ++i) out[i] = extrapolated(p[0][i], p[1][i], p[2][i], p[3][i]);
+    }
+  }
+}
 
 void Boundary::fill_halo(Field& u, int width, std::span<const int> species, int reach) const {
   const Decomposition& d = u.decomposition();
@@ -80,15 +97,13 @@ void Boundary::fill_halo(Field& u, int width, std::span<const int> species, int 
       if (!d.at_boundary(0, which) || d.grid().sub_cell[0][static_cast<std::size_t>(which)]) continue;
       for (int j = j_begin; j < j_end; ++j) {
         double* row = u.row(s, j);
-        fill_line(which == 0 ? row : row + u.n_x() - 1, which == 0 ? 1 : -1, width, side(0, which).kind);
+        continue_line(which == 0 ? row : row + u.n_x() - 1, which == 0 ? 1 : -1, width, side(0, which).kind);
       }
     }
     if (d.grid().dimension == 1) continue;
     for (int which = 0; which < 2; ++which) {
       if (!d.at_boundary(1, which) || d.grid().sub_cell[1][static_cast<std::size_t>(which)]) continue;
-      double* end = u.row(s, which == 0 ? 0 : u.n_y() - 1);
-      const std::ptrdiff_t in = which == 0 ? u.row_stride() : -u.row_stride();
-      for (int i = i_begin; i < i_end; ++i) fill_line(end + i, in, width, side(1, which).kind);
+      continue_rows(rows_of(u), s, which == 0 ? 0 : u.n_y() - 1, which == 0 ? 1 : -1, width, side(1, which).kind, i_begin, i_end);
     }
   }
 }
@@ -96,31 +111,35 @@ void Boundary::fill_halo(Field& u, int width, std::span<const int> species, int 
 void Boundary::impose(Field& u, double t, int reach) const {
   if (!has_dirichlet_) return;
   const Decomposition& d = u.decomposition();
-  const Grid& grid = d.grid();
   const auto beyond = [&](int direction, int which) { return d.at_boundary(direction, which) ? 0 : reach; };
+  const bool in_plane = d.grid().dimension == 2;
+  const FreeBox points{-beyond(0, 0), u.n_x() + beyond(0, 1), in_plane ? -beyond(1, 0) : 0, u.n_y() + (in_plane ? beyond(1, 1) : 0)};
+  for (int s = 0; s < u.n_species(); ++s) impose(rows_of(u), d, s, t, points);
+}
+
+void Boundary::impose(const Rows& u, const Decomposition& d, int species, double t, const FreeBox& points) const {
+  const Grid& grid = d.grid();
+  const auto s = static_cast<std::size_t>(species);
   // A neighbour's points may lie at the other end of a periodic direction.
   const auto position = [&](int direction, std::int64_t index) {
     const std::int64_t n = grid.points[static_cast<std::size_t>(direction)];
     return grid.position(direction, index < 0 ? index + n : (index >= n ? index - n : index));
   };
-  for (int s = 0; s < u.n_species(); ++s) {
-    const auto species = static_cast<std::size_t>(s);
-    for (int which = 0; which < 2 && grid.dimension == 2; ++which) {
-      const BoundarySide& b = side(1, which);
-      if (b.kind != BoundaryKind::dirichlet || !d.at_boundary(1, which)) continue;
-      const int j = which == 0 ? 0 : u.n_y() - 1;
-      const double y = grid.position(1, d.offset_y() + j);
-      for (int i = -beyond(0, 0); i < u.n_x() + beyond(0, 1); ++i) u.at(s, i, j) = b.values[species](t, position(0, d.offset_x() + i), y);
-    }
-    for (int which = 0; which < 2; ++which) {
-      const BoundarySide& b = side(0, which);
-      if (b.kind != BoundaryKind::dirichlet || !d.at_boundary(0, which)) continue;
-      const int i = which == 0 ? 0 : u.n_x() - 1;
-      const double x = grid.position(0, d.offset_x() + i);
-      const bool in_plane = grid.dimension == 2;
-      for (int j = in_plane ? -beyond(1, 0) : 0; j < u.n_y() + (in_plane ? beyond(1, 1) : 0); ++j) {
-        u.at(s, i, j) = b.values[species](t, x, in_plane ? position(1, d.offset_y() + j) : 0.0);
-      }
+  for (int which = 0; which < 2 && grid.dimension == 2; ++which) {
+    const BoundarySide& b = side(1, which);
+    const int j = which == 0 ? 0 : d.n_y() - 1;
+    if (b.kind != BoundaryKind::dirichlet || !d.at_boundary(1, which) || j < points.j_begin || j >= points.j_end) continue;
+    const double y = grid.position(1, d.offset_y() + j);
+    double* const row = u.row(species, j);
+    for (int i = points.i_begin; i < points.i_end; ++i) row[i] = b.values[s](t, position(0, d.offset_x() + i), y);
+  }
+  for (int which = 0; which < 2; ++which) {
+    const BoundarySide& b = side(0, which);
+    const int i = which == 0 ? 0 : d.n_x() - 1;
+    if (b.kind != BoundaryKind::dirichlet || !d.at_boundary(0, which) || i < points.i_begin || i >= points.i_end) continue;
+    const double x = grid.position(0, d.offset_x() + i);
+    for (int j = points.j_begin; j < points.j_end; ++j) {
+      u.row(species, j)[i] = b.values[s](t, x, grid.dimension == 2 ? position(1, d.offset_y() + j) : 0.0);
     }
   }
 }

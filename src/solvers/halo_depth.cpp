@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stiffront/core/timer.hpp"
+#include "stiffront/mesh/wavefront.hpp"
 
 namespace stiffront {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 // Of one variable in one stage, in cache (docs/performance.md), and of a byte through memory or a network of today.
 constexpr double seconds_per_value = 0.3e-9;
 constexpr double seconds_per_byte = 0.2e-9;
+// What a pass over memory adds for a variable that does not stay in cache.
+constexpr double seconds_in_memory = 0.3e-9;
 
 constexpr int trials = 12;
 
@@ -77,6 +80,8 @@ double HaloCost::seconds(int depth, int stages, int variables) const {
   const double sides = neighbours_[0] + neighbours_[1];
   const double corners = neighbours_[0] * neighbours_[1];
   const double interior = seconds_per_value * variables * std::max(0.0, size(-8.0 - stencil_));
+  // A species with the state before it.
+  const bool is_large = 2.0 * 8.0 * size(0.0) > static_cast<double>(own_cache);
   double total = 0.0;
   for (int done = 0; done < stages; done += depth) {
     const int together = std::min(depth, stages - done);
@@ -87,7 +92,9 @@ double HaloCost::seconds(int depth, int stages, int variables) const {
     // Half of an exchange is the processor's own work, which nothing hides; so is the copying of what is sent and
     // received.
     const double in_flight = 0.5 * exchange_ + bytes * seconds_per_byte;
-    total += 0.5 * exchange_ * messages + bytes * seconds_per_byte + std::max(0.0, in_flight - interior);
+    const double hidden = together == 1 || !is_large ? interior : 0.0;
+    total += 0.5 * exchange_ * messages + bytes * seconds_per_byte + std::max(0.0, in_flight - hidden);
+    if (is_large) total += seconds_in_memory * variables * size(0.0);
     for (int k = 0; k < together; ++k) total += seconds_per_value * variables * size(k * stencil_);
   }
   return total;

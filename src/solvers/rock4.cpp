@@ -14,6 +14,9 @@
 namespace stiffront {
 namespace {
 
+/// Points that are taken through all stages at a time: enough to make what a call costs small. Measured.
+constexpr int points_at_a_time = 8192;
+
 /// Pointers into one row of the arrays a stage works on point by point, and its arithmetic: to = x + weight f(x).
 struct EulerRow {
   double* to;
@@ -87,10 +90,12 @@ struct SolutionRow {
   }
 };
 
+}  // namespace
+
 /// The four finishing stages in terms of their arguments instead of their slopes, so that no slope is stored.
 ///
 /// With x_1 = g and x_i = g + h sum_l a_il k_l, every combination of k_1 .. k_{i-1} is one of x_2 - g .. x_i - g.
-struct Finish {
+struct Rock4::Finish {
   double x3_x2;                    ///< x_3 = g + x3_x2 (x_2 - g) + h a_32 k_2
   double x4_x2, x4_x3;             ///< x_4 = g + x4_x2 (x_2 - g) + x4_x3 (x_3 - g) + h a_43 k_3
   std::array<double, 3> y, error;  ///< weights of x_2 - g, x_3 - g, x_4 - g in y_1 - g - h b_4 k_4 and in the estimate
@@ -116,19 +121,21 @@ struct Finish {
   }
 };
 
-}  // namespace
-
 Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffusion, Rock4Tolerances tolerances, int halo_depth)
     : decomposition_(&decomposition),
       diffusion_(&diffusion),
       tolerances_(std::move(tolerances)),
       rho_(diffusion.spectral_radius()),
       max_stages_(rock4_max_stages(tolerances_.relative)),
+      alone_(decomposition.comm().size() == 1),
       free_(diffusion.boundary().free_box(decomposition)),
       free_variables_(static_cast<double>(diffusion.boundary().free_points(decomposition.grid())) *
                       static_cast<double>(diffusion.diffusing_species().size())),
       inner_(free_),
-      asked_depth_(diffusion.order() == 8 ? 1 : halo_depth) {
+      asked_depth_(diffusion.order() == 8 ? 1 : halo_depth),
+      row_halo_(decomposition, diffusion.boundary(), diffusion.halo_width()),
+      depth_in_cache_(max_stages_),
+      rows_at_a_time_(points_at_a_time) {
   const auto demand_positive = [](double x) {
     if (!(x > 0.0 && std::isfinite(x)))
       throw Error(ErrorKind::input, fmt::format("diffusion_solver.tolerance: expected a positive number, got {}", x));
@@ -161,13 +168,23 @@ Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffus
     inner_.j_end = std::min(decomposition.n_y() - width, free_.j_end);
   }
   if (!has_neighbour || inner_.i_begin >= inner_.i_end || inner_.j_begin >= inner_.j_end) inner_ = {0, 0, 0, 0};
-  if (asked_depth_ == 0 && decomposition.comm().size() > 1) halo_cost_.emplace(decomposition, width, measure_exchange(decomposition));
+  if (asked_depth_ == 0 && !alone_) halo_cost_.emplace(decomposition, width, measure_exchange(decomposition));
+
+  const std::int64_t row = static_cast<std::int64_t>(decomposition.n_x() + 3 * 8) * static_cast<std::int64_t>(sizeof(double));
+  is_large_ = 2 * row * decomposition.n_y() > own_cache;
+  if (two_dimensional) {
+    rows_at_a_time_ = std::clamp(points_at_a_time / decomposition.n_x(), 4, 16);
+    // Two buffers take turns.
+    const std::int64_t rows = wavefront_cache_share / row;
+    depth_in_cache_ = static_cast<int>(std::clamp<std::int64_t>((rows / 2 - rows_at_a_time_) / width, 1, max_stages_));
+  }
 }
 
 /// The points that evolve, and those of neighbours at most `by` away.
 FreeBox Rock4::extended(int by) const {
   FreeBox box = free_;
   const Decomposition& d = *decomposition_;
+  if (alone_) return box;
   if (d.neighbour(-1, 0) != MPI_PROC_NULL) box.i_begin -= by;
   if (d.neighbour(1, 0) != MPI_PROC_NULL) box.i_end += by;
   if (d.grid().dimension == 1) return box;
@@ -176,11 +193,14 @@ FreeBox Rock4::extended(int by) const {
   return box;
 }
 
-Rock4::Tiles Rock4::tiles_of(const FreeBox& box) const {
-  if (inner_.i_begin >= inner_.i_end) return {inner_, {box, inner_, inner_, inner_}};
-  return {inner_,
-          {FreeBox{box.i_begin, box.i_end, box.j_begin, inner_.j_begin}, FreeBox{box.i_begin, inner_.i_begin, inner_.j_begin, inner_.j_end},
-           FreeBox{inner_.i_end, box.i_end, inner_.j_begin, inner_.j_end}, FreeBox{box.i_begin, box.i_end, inner_.j_end, box.j_end}}};
+/// What the tile has outside inner_.
+std::array<FreeBox, 4> Rock4::around_inner(const FreeBox& tile) const {
+  const int below = std::clamp(inner_.j_begin, tile.j_begin, tile.j_end);
+  const int above = std::clamp(inner_.j_end, tile.j_begin, tile.j_end);
+  const int before = std::clamp(inner_.i_begin, tile.i_begin, tile.i_end);
+  const int after = std::clamp(inner_.i_end, tile.i_begin, tile.i_end);
+  return {FreeBox{tile.i_begin, tile.i_end, tile.j_begin, below}, FreeBox{tile.i_begin, before, below, above},
+          FreeBox{after, tile.i_end, below, above}, FreeBox{tile.i_begin, tile.i_end, above, tile.j_end}};
 }
 
 void Rock4::set_state(std::span<const double> state) {
@@ -206,7 +226,9 @@ void Rock4::prepare(std::span<const Transition> states, double t) {
   if (!scratch_.empty() &&
       (scratch_.front().halo() != shape.halo() || scratch_.front().n_species() != shape.n_species()))
     scratch_.clear();
-  largest_depth_ = std::min(largest_halo_depth(*decomposition_, boundary, diffusion_->halo_width()), shape.halo() / diffusion_->halo_width());
+  // Alone, the stages of a pass need no halo but that of a stencil.
+  largest_depth_ = alone_ ? max_stages_
+                          : std::min(largest_halo_depth(*decomposition_, boundary, diffusion_->halo_width()), shape.halo() / diffusion_->halo_width());
   if (asked_depth_ == 1) largest_depth_ = 1;
   scratch_used_ = 0;
   buffers_.assign(states.size(), {});
@@ -247,48 +269,120 @@ HaloExchange& Rock4::exchange_for(int together, std::size_t n_fields) {
   return *exchange;
 }
 
-/// Applies pass(state, species, tile) to the whole box; the stencil is applied to the input buffer, which is to be
-/// taken at the given time.
+/// Makes stages of all states; make(stage, state, species, tile) makes one on part of the box.
 ///
-/// Where the halos at hand have points for this stage to spare, those of neighbours that later stages need are computed too.
-template <class Pass>
-void Rock4::stage(std::size_t input, std::initializer_list<std::size_t> others, double time, Pass&& pass) {
+/// One exchange serves all of them: where its halos have points to spare, those of neighbours that later stages need are made too.
+template <class Make>
+void Rock4::pass(std::span<const Stage> stages, const Make& make) {
   const Boundary& boundary = diffusion_->boundary();
   const std::vector<int>& species = diffusion_->diffusing_species();
   const int width = diffusion_->halo_width();
-  const auto on = [&](const FreeBox& tile) {
-    if (tile.i_begin >= tile.i_end || tile.j_begin >= tile.j_end) return;
-    for (std::size_t k = 0; k < buffers_.size(); ++k) {
-      for (int s : species) pass(k, s, tile);
-    }
+  const auto together = static_cast<int>(stages.size());
+  const int beyond = alone_ ? 1 : together;  // stencils that the halos are deep
+  const auto on = [&](const Stage& stage, std::size_t k, int s, const FreeBox& tile) {
+    if (tile.i_begin < tile.i_end && tile.j_begin < tile.j_end) make(stage, k, s, tile);
   };
-  const bool exchanges = stages_ahead_ == 0;
-  if (exchanges) stages_ahead_ = std::min(depth_, stages_left_);
-  --stages_left_;
-  const int together = stages_ahead_--;
-  const FreeBox box = extended(stages_ahead_ * width);
-  for (const Buffers& b : buffers_) {
-    if (input != start && boundary.depends_on_time()) boundary.impose(*b[input], time, exchanges ? 0 : together * width);
-  }
-  if (!exchanges) {
-    for (const Buffers& b : buffers_) boundary.fill_halo(*b[input], width, species, together * width);
-    on(box);
-    return;
-  }
+
+  const Stage& first = stages.front();
   exchanged_.clear();
-  for (const Buffers& b : buffers_) exchanged_.push_back(b[input]);
-  if (together > 1) {
-    for (std::size_t other : others) {
+  for (const Buffers& b : buffers_) exchanged_.push_back(b[first.input]);
+  if (beyond > 1) {
+    for (std::size_t other : first.others) {
+      if (other == none) continue;
       for (const Buffers& b : buffers_) exchanged_.push_back(b[other]);
     }
   }
-  HaloExchange& exchange = exchange_for(together, exchanged_.size());
+  if (first.input != start && boundary.depends_on_time()) {
+    for (const Buffers& b : buffers_) boundary.impose(*b[first.input], first.time);
+  }
+  HaloExchange& exchange = exchange_for(beyond, exchanged_.size());
   ++exchanges_made_;
-  const Tiles tiles = tiles_of(box);
+  // Work on the interior hides the messages, but is a pass over memory of its own where the box is large.
+  const bool hides_messages = inner_.i_begin < inner_.i_end && (together == 1 || !is_large_);
   exchange.begin(exchanged_);
-  on(tiles.interior);
+  for (std::size_t k = 0; k < buffers_.size() && hides_messages; ++k) {
+    for (int s : species) on(first, k, s, inner_);
+  }
   exchange.finish();
-  for (const FreeBox& tile : tiles.edges) on(tile);
+
+  // In the plane the stages follow each other along y, a stencil apart, on a line a pack apart.
+  const bool in_plane = diffusion_->dimension() == 2;
+  const int distance = in_plane ? width : pack_size;
+  const bool around = row_halo_.wraps(in_plane ? 1 : 0);
+  const auto box_of = [&](int p) { return extended((together - 1 - p) * width); };
+  passes_.clear();
+  for (int p = 0; p < together; ++p) {
+    const FreeBox box = box_of(p);
+    const auto [begin, end] = in_plane ? std::pair(box.j_begin, box.j_end) : std::pair(box.i_begin, box.i_end);
+    const int from = around ? p * distance : begin;
+    passes_.push_back({p * distance, from, from + end - begin});
+  }
+  // A single stage needs no pieces.
+  const int at_a_time = together == 1 ? std::numeric_limits<int>::max() / 2 : rows_at_a_time_;
+  for (std::size_t k = 0; k < buffers_.size(); ++k) {
+    for (int s : species) {
+      const auto on_rows = [&](std::size_t p, int begin, int end) {
+        FreeBox tile = box_of(static_cast<int>(p));
+        (in_plane ? tile.j_begin : tile.i_begin) = begin;
+        (in_plane ? tile.j_end : tile.i_end) = end;
+        const Stage& stage = stages[p];
+        if (p > 0) {
+          const Rows input = rows_of(*buffers_[k][stage.input]);
+          if (boundary.depends_on_time()) row_halo_.impose(input, s, tile, stage.time);
+          row_halo_.fill(input, s, tile);
+        }
+        if (p > 0 || !hides_messages) {
+          on(stage, k, s, tile);
+        } else {
+          for (const FreeBox& part : around_inner(tile)) on(stage, k, s, part);
+        }
+      };
+      if (around) {
+        wavefront_around(passes_, in_plane ? decomposition_->n_y() : decomposition_->n_x(), at_a_time, on_rows);
+      } else {
+        wavefront(passes_, at_a_time, on_rows);
+      }
+    }
+  }
+}
+
+/// What a step of length h does, stage by stage. The result is in the buffer that result_ names.
+void Rock4::plan(const Rock4Coefficients& m, const Finish& finish, double t, double h) {
+  stages_.clear();
+  const auto euler = [&](std::size_t u, std::size_t to, double time, double weight) {
+    stages_.push_back({.kind = Stage::euler, .input = u, .to = to, .time = time, .weight = weight});
+  };
+  const auto recur = [&](std::size_t u, std::size_t before, std::size_t to, double time, double weight, double kappa) {
+    stages_.push_back({.kind = Stage::recurrence, .input = u, .others = {before, none}, .to = to, .time = time, .weight = weight, .kappa = kappa});
+  };
+  std::size_t g = 1;
+  std::size_t other = start;
+  euler(start, g, t, h * m.mu[0]);
+  for (std::size_t j = 1; j < m.mu.size(); ++j) {
+    const std::size_t out = j == 1 ? 2 : other;
+    recur(g, other, out, t + m.ct[j] * h, h * m.mu[j], m.kappa[j]);
+    other = g;
+    g = out;
+  }
+  const std::size_t x2 = 3 - g;
+  const std::size_t x3 = 3;
+  const std::size_t x4 = 4;
+  euler(g, x2, t + m.c[0] * h, h * m.a[1][0]);
+  recur(x2, g, x3, t + m.c[1] * h, h * m.a[2][1], 1.0 - finish.x3_x2);
+  stages_.push_back({.kind = Stage::last_argument, .input = x3, .others = {g, x2}, .to = x4, .time = t + m.c[2] * h, .weight = h * m.a[3][2]});
+  stages_.push_back({.kind = Stage::solution, .input = x4, .others = {x2, x3}, .to = g, .time = t + m.c[3] * h, .weight = h * m.b[3]});
+  result_ = g;
+}
+
+/// Stages per pass and exchange in a step of so many.
+int Rock4::depth_of(int stages) const {
+  int depth = std::max(asked_depth_, 1);
+  if (halo_cost_) {
+    depth = halo_cost_->best_depth(largest_depth_, stages, static_cast<int>(buffers_.size() * diffusion_->diffusing_species().size()));
+  } else if (asked_depth_ == 0) {
+    depth = depth_in_cache_;
+  }
+  return std::min({depth, largest_depth_, stages});
 }
 
 double Rock4::attempt(double t, double h, Work& work) {
@@ -301,82 +395,73 @@ double Rock4::attempt(double t, double h, Work& work) {
     }
   }
   const int stages = std::min(rock4_stages(h * rho_), max_stages_);
-  const int variables = static_cast<int>(buffers_.size() * diffusion_->diffusing_species().size());
-  depth_ = halo_cost_ ? halo_cost_->best_depth(largest_depth_, stages, variables) : std::min(largest_depth_, std::max(asked_depth_, 1));
-  stages_left_ = stages;
-  stages_ahead_ = 0;
+  const int depth = depth_of(stages);
   exchanges_made_ = 0;
   const Rock4Coefficients& m = table_[stages];
   const Finish finish(m);
+  plan(m, finish, t, h);
   Agreement agreement(static_cast<int>(buffers_.size()), 0);
   if (diffusion_->order() == 8 && slope_.empty()) slope_.push_back(buffers_.front()[start]->similar());
   const auto all_stages = [&]<int Order, int Dimension>() {
-    // on_row(b, s, j) makes the row object of species s in the buffers b.
-    const auto pass = [&](std::size_t input, std::initializer_list<std::size_t> others, double time, auto&& on_row) {
-      stage(input, others, time, [&](std::size_t k, int s, const FreeBox& tile) {
-        const Field& u = *buffers_[k][input];
+    const auto make = [&](const Stage& stage, std::size_t k, int s, const FreeBox& tile) {
+      const Buffers& b = buffers_[k];
+      const Field& u = *b[stage.input];
+      const auto over = [&](auto&& on_row) {
         if constexpr (Order == 8) {
           diffusion_->apply_of_order_8(u, slope_.front(), s, tile);
-          sweep_values(u, slope_.front(), s, tile, [&](int j) { return on_row(k, s, j); });
+          sweep_values(u, slope_.front(), s, tile, on_row);
         } else {
-          sweep(diffusion_->stencil<Order, Dimension>(s, u), u, s, tile, [&](int j) { return on_row(k, s, j); });
+          sweep(diffusion_->stencil<Order, Dimension>(s, u), u, s, tile, on_row);
         }
-      });
+      };
+      switch (stage.kind) {
+        case Stage::euler:
+          over([&](int j) { return EulerRow{b[stage.to]->row(s, j), Pack(stage.weight)}; });
+          break;
+        case Stage::recurrence:
+          over([&](int j) {
+            return RecurrenceRow{b[stage.others[0]]->row(s, j), b[stage.to]->row(s, j), Pack(stage.weight), Pack(stage.kappa)};
+          });
+          break;
+        case Stage::last_argument:
+          over([&](int j) {
+            return LastArgumentRow{.g = b[stage.others[0]]->row(s, j),
+                                   .x2 = b[stage.others[1]]->row(s, j),
+                                   .to = b[stage.to]->row(s, j),
+                                   .weight = Pack(stage.weight),
+                                   .w2 = Pack(finish.x4_x2),
+                                   .w3 = Pack(finish.x4_x3)};
+          });
+          break;
+        case Stage::solution:
+          over([&](int j) {
+            return SolutionRow{.start = b[start]->row(s, j),
+                               .x2 = b[stage.others[0]]->row(s, j),
+                               .x3 = b[stage.others[1]]->row(s, j),
+                               .g = b[stage.to]->row(s, j),
+                               .weight = Pack(stage.weight),
+                               .w2 = Pack(finish.y[0]),
+                               .w3 = Pack(finish.y[1]),
+                               .w4 = Pack(finish.y[2]),
+                               .error_start = Pack(m.d0),
+                               .error_weight = Pack(h * m.d0 * m.e[3]),
+                               .error_w2 = Pack(finish.error[0]),
+                               .error_w3 = Pack(finish.error[1]),
+                               .error_w4 = Pack(finish.error[2]),
+                               .relative = Pack(tolerances_.relative),
+                               .absolute = Pack(tolerances_.absolute[static_cast<std::size_t>(s)]),
+                               .sum = &agreement.sums[k]};
+          });
+          break;
+      }
     };
-    const auto euler = [&](std::size_t u, std::size_t to, double time, double weight) {
-      pass(u, {}, time, [&](std::size_t k, int s, int j) { return EulerRow{buffers_[k][to]->row(s, j), Pack(weight)}; });
-    };
-    const auto recur = [&](std::size_t u, std::size_t before, std::size_t to, double time, double weight,
-                           double kappa) {
-      pass(u, {before}, time, [&](std::size_t k, int s, int j) {
-        return RecurrenceRow{buffers_[k][before]->row(s, j), buffers_[k][to]->row(s, j), Pack(weight), Pack(kappa)};
-      });
-    };
-
-    const std::size_t n = m.mu.size();
-    std::size_t g = 1;
-    std::size_t other = start;
-    euler(start, g, t, h * m.mu[0]);
-    for (std::size_t j = 1; j < n; ++j) {
-      const std::size_t out = j == 1 ? 2 : other;
-      recur(g, other, out, t + m.ct[j] * h, h * m.mu[j], m.kappa[j]);
-      other = g;
-      g = out;
+    // Passes of nearly the same number of stages.
+    const int passes = (stages + depth - 1) / depth;
+    for (int p = 0; p < passes; ++p) {
+      const int first = stages * p / passes;
+      const int last = stages * (p + 1) / passes;
+      pass(std::span(std::as_const(stages_)).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)), make);
     }
-    const std::size_t x2 = 3 - g;
-    const std::size_t x3 = 3;
-    const std::size_t x4 = 4;
-    euler(g, x2, t + m.c[0] * h, h * m.a[1][0]);
-    recur(x2, g, x3, t + m.c[1] * h, h * m.a[2][1], 1.0 - finish.x3_x2);
-    pass(x3, {g, x2}, t + m.c[2] * h, [&](std::size_t k, int s, int j) {
-      const Buffers& b = buffers_[k];
-      return LastArgumentRow{.g = b[g]->row(s, j),
-                             .x2 = b[x2]->row(s, j),
-                             .to = b[x4]->row(s, j),
-                             .weight = Pack(h * m.a[3][2]),
-                             .w2 = Pack(finish.x4_x2),
-                             .w3 = Pack(finish.x4_x3)};
-    });
-    pass(x4, {}, t + m.c[3] * h, [&](std::size_t k, int s, int j) {
-      const Buffers& b = buffers_[k];
-      return SolutionRow{.start = b[start]->row(s, j),
-                         .x2 = b[x2]->row(s, j),
-                         .x3 = b[x3]->row(s, j),
-                         .g = b[g]->row(s, j),
-                         .weight = Pack(h * m.b[3]),
-                         .w2 = Pack(finish.y[0]),
-                         .w3 = Pack(finish.y[1]),
-                         .w4 = Pack(finish.y[2]),
-                         .error_start = Pack(m.d0),
-                         .error_weight = Pack(h * m.d0 * m.e[3]),
-                         .error_w2 = Pack(finish.error[0]),
-                         .error_w3 = Pack(finish.error[1]),
-                         .error_w4 = Pack(finish.error[2]),
-                         .relative = Pack(tolerances_.relative),
-                         .absolute = Pack(tolerances_.absolute[static_cast<std::size_t>(s)]),
-                         .sum = &agreement.sums[k]};
-    });
-    result_ = g;
   };
   if (diffusion_->order() == 8) {
     all_stages.operator()<8, 0>();

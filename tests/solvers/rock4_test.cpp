@@ -516,5 +516,76 @@ TEST(Rock4Test, RefusesMeaninglessArguments) {
   EXPECT_THROW(flow.set_state({}), Error);
 }
 
+struct Plane {
+  const char* name;
+  Grid grid;
+  BoundaryKind x, y;
+};
+void PrintTo(const Plane& plane, std::ostream* out) { *out << plane.name; }
+
+class Rock4InOnePassTest : public ::testing::TestWithParam<Plane> {};
+
+// Depth 1 is a pass over memory per stage. Steps are of many stages, some are rejected, and two states go together. With values given in time
+// steps are accepted whatever they are, since the test would be one of many short ones otherwise.
+TEST_P(Rock4InOnePassTest, BitsDoNotDependOnTheStagesInAPass) {
+  double dt = 1.0;
+  for (const bool in_time : {false, true}) {
+    const auto value = [&](double t, double x, double y) { return 1.0 + x * y + (in_time ? std::cos(t / dt) : 0.0); };
+    if (in_time && GetParam().x != BoundaryKind::dirichlet && GetParam().y != BoundaryKind::dirichlet) continue;
+    for (const int order : {2, 4}) {
+      const DiffusionProblem p(self(), GetParam().grid, {both_sides(GetParam().x, 3, value, in_time), both_sides(GetParam().y, 3, value, in_time)},
+                               {0.02, 0.0, 0.05}, order);
+      dt = (in_time ? 2e2 : 4e3) / p.diffusion.spectral_radius();
+      const auto run = [&](int depth, Work& work) {
+        std::vector<Field> states;
+        for (int k = 0; k < 2; ++k) {
+          states.push_back(p.field([k](int s, double x, double y) {
+            return std::floor(3.0 * x + 0.2 * k) + 1e-3 * scatter(std::lround(1e7 * x), std::lround(1e7 * y), 2 * k + s);
+          }));
+          p.boundary.impose(states.back(), 0.0);
+        }
+        Rock4 flow(p.decomposition, p.diffusion, in_time ? no_control(3) : tolerances(1e-4, 3), depth);
+        const double first = dt;
+        flow.set_state(std::span<const double>(&first, 1));
+        Field end = p.field();
+        for (int call = 0; call < 2; ++call) {
+          const Transition transitions[] = {{&states[0], &states[0]}, {&states[1], &end}};
+          EXPECT_FALSE(flow.advance(call * dt, dt, transitions, work));
+          swap(states[1], end);
+        }
+        std::vector<double> all = values(states[0]);
+        for (double x : values(states[1])) all.push_back(x);
+        return all;
+      };
+      Work plain;
+      const std::vector<double> expected = run(1, plain);
+      EXPECT_EQ(plain.diffusion_rejections > 0, !in_time);
+      EXPECT_GT(plain.diffusion_stages, 12 * plain.diffusion_steps);
+      for (int depth = 0; depth <= 16; ++depth) {
+        Work work;
+        EXPECT_EQ(run(depth, work), expected) << "depth " << depth << ", order " << order;
+        EXPECT_EQ(work.diffusion_steps, plain.diffusion_steps);
+        EXPECT_EQ(work.diffusion_stages, plain.diffusion_stages);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Grids, Rock4InOnePassTest,
+    ::testing::Values(Plane{"line_neumann", unit_grid(9001, 1), BoundaryKind::neumann, BoundaryKind::neumann},
+                      Plane{"line_periodic", unit_grid(9001, 1, true), BoundaryKind::periodic, BoundaryKind::neumann},
+                      Plane{"line_dirichlet", unit_grid(8194, 1), BoundaryKind::dirichlet, BoundaryKind::neumann},
+                      Plane{"short_line_periodic", unit_grid(9, 1, true), BoundaryKind::periodic, BoundaryKind::neumann},
+                      Plane{"neumann", unit_grid(37, 61), BoundaryKind::neumann, BoundaryKind::neumann},
+                      Plane{"periodic", unit_grid(37, 61, true, true), BoundaryKind::periodic, BoundaryKind::periodic},
+                      Plane{"dirichlet", unit_grid(37, 62), BoundaryKind::dirichlet, BoundaryKind::dirichlet},
+                      Plane{"dirichlet_periodic", unit_grid(37, 61, false, true), BoundaryKind::dirichlet, BoundaryKind::periodic},
+                      Plane{"periodic_dirichlet", unit_grid(37, 62, true, false), BoundaryKind::periodic, BoundaryKind::dirichlet},
+                      Plane{"dirichlet_neumann", unit_grid(37, 61), BoundaryKind::dirichlet, BoundaryKind::neumann},
+                      Plane{"flat_periodic", unit_grid(61, 7, true, true), BoundaryKind::periodic, BoundaryKind::periodic},
+                      Plane{"flat_dirichlet", unit_grid(61, 7), BoundaryKind::dirichlet, BoundaryKind::dirichlet}),
+    [](const auto& test) { return std::string(test.param.name); });
+
 }  // namespace
 }  // namespace stiffront

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stiffront/mesh/field.hpp"
+#include "stiffront/mesh/rows.hpp"
 
 namespace stiffront {
 
@@ -62,11 +63,19 @@ class Boundary {
   /// Sets Dirichlet points to their values at time t. A point of two Dirichlet sides takes the x side's value. Along a side this includes
   /// `reach` points of the halos of neighbours.
   void impose(Field& u, double t, int reach = 0) const;
+  /// The same for one species at the points of a box, which may reach into halos.
+  void impose(const Rows& u, const Decomposition& d, int species, double t, const FreeBox& points) const;
 
  private:
   std::array<std::array<BoundarySide, 2>, 2> sides_;
   bool has_dirichlet_ = false;
   bool depends_on_time_ = false;
 };
+
+/// Continues a line of points beyond its end by `width` points: `end` is the last point, the others follow inwards at the stride `in`.
+/// Beyond a Dirichlet point nothing is read by a stencil of width 1, and nothing is done for it.
+void continue_line(double* end, std::ptrdiff_t in, int width, BoundaryKind kind);
+/// The same for the points i_begin .. i_end - 1 of rows; in is 1 or -1.
+void continue_rows(const Rows& u, int species, int end, int in, int width, BoundaryKind kind, int i_begin, int i_end);
 
 }  // namespace stiffront

@@ -19,7 +19,7 @@ double measure_exchange(const Decomposition& d);
 /// What the stages of an explicit method cost on the largest box, by the number of stages per exchange of halos.
 ///
 /// Each exchange costs its messages, as far as work on points that need no halo does not hide them; each stage but the
-/// last after an exchange costs the points it computes in the neighbours' place.
+/// last after an exchange costs the points it computes in the neighbours' place. A large box is brought from memory once per exchange.
 /// @see docs/scaling.md
 class HaloCost {
  public:

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "stiffront/mesh/halo_exchange.hpp"
+#include "stiffront/mesh/row_halo.hpp"
+#include "stiffront/mesh/wavefront.hpp"
 #include "stiffront/solvers/flow.hpp"
 #include "stiffront/solvers/halo_depth.hpp"
 #include "stiffront/solvers/rock4_coefficients.hpp"
@@ -35,18 +37,20 @@ struct Rock4Tolerances {
 /// times slower than the fastest mode or more.
 ///
 /// Dirichlet values that depend on time are taken at the times of the stages, whatever `from` holds there.
-/// @mpi    One halo message per neighbour and exchange, carrying all states; one exchange per `halo_depth` stages, as deep as the stencils
-///         of these stages reach, whose points next to the box are computed here too; one reduction per step attempt.
+/// Several stages make one pass over memory: they follow each other over the rows at the distance of a stencil (mesh/wavefront.hpp).
+///
+/// @mpi    One halo message per neighbour and exchange, carrying all states; one exchange per pass, as deep as the stencils
+///         of its stages reach, whose points next to the box are computed here too; one reduction per step attempt.
 /// @throws Error(bug), on every rank, for dt < 0
-/// @cost   per state 4 fields of scratch memory (3 if `to` differs from `from` and one step suffices); a stage streams
-/// 3 arrays
-///         per variable (the last four 2, 3, 4 and 6)
+/// @cost   per state 4 fields of scratch memory (3 if `to` differs from `from` and one step suffices); a pass streams 2 arrays
+///         per variable, a stage alone 3 (the last four 2, 3, 4 and 6)
 /// @see    docs/rock4.md
 class Rock4 final : public Flow {
  public:
   /// @pre decomposition and diffusion outlive the flow.
-  /// @param halo_depth stages per exchange of halos, at most what the halos of the states and the boxes allow; 0: what a model of the cost
-  ///        finds best for a step, never more than automatic_depth. Order 8 has 1. Bits do not depend on it.
+  /// @param halo_depth stages per pass over memory and exchange of halos, among several ranks at most what the halos of the states and the
+  ///        boxes allow; 0: as many as the cache holds, among several ranks what a model of the cost finds best for a step. Order 8 has 1.
+  ///        Bits do not depend on it.
   /// @throws Error(input) for tolerances that are not positive numbers or a relative one below 1e-14
   /// @mpi    collective if halo_depth is 0
   Rock4(const Decomposition& decomposition, const DiffusionOperator& diffusion, Rock4Tolerances tolerances, int halo_depth = 1);
@@ -70,11 +74,20 @@ class Rock4 final : public Flow {
   static constexpr std::size_t start = 0;
   using Buffers = std::array<Field*, 5>;
 
-  /// Part of the box and whether it needs the halo; any may be empty.
-  struct Tiles {
-    FreeBox interior;              ///< may be computed while messages travel
-    std::array<FreeBox, 4> edges;  ///< the rest
+  static constexpr std::size_t none = 5;
+
+  /// What one stage does: it reads its input around each point and other buffers at the point.
+  struct Stage {
+    enum Kind { euler, recurrence, last_argument, solution };
+    Kind kind = euler;
+    std::size_t input = start;
+    std::array<std::size_t, 2> others{none, none};
+    std::size_t to = start;
+    double time = 0.0;  ///< of the input
+    double weight = 0.0;  ///< of the slope
+    double kappa = 0.0;
   };
+  struct Finish;
 
   void prepare(std::span<const Transition> states, double t);
   double attempt(double t, double h, Work& work);
@@ -83,28 +96,31 @@ class Rock4 final : public Flow {
   std::optional<CellFailure> fail(std::span<const Transition> states, double t, double dt, double h,
                                   const char* reason);
   Field* scratch(const Field& like);
-  /// A stage reads its input around each point and other buffers at the point.
-  template <class Pass>
-  void stage(std::size_t input, std::initializer_list<std::size_t> others, double time, Pass&& pass);
+  void plan(const Rock4Coefficients& m, const Finish& finish, double t, double h);
+  int depth_of(int stages) const;
+  template <class Make>
+  void pass(std::span<const Stage> stages, const Make& make);
   HaloExchange& exchange_for(int together, std::size_t n_fields);
   FreeBox extended(int by) const;
-  Tiles tiles_of(const FreeBox& box) const;
-  int reach() const { return (largest_depth_ - 1) * diffusion_->halo_width(); }
+  std::array<FreeBox, 4> around_inner(const FreeBox& tile) const;
+  int reach() const { return alone_ ? 0 : (largest_depth_ - 1) * diffusion_->halo_width(); }
 
   const Decomposition* decomposition_;
   const DiffusionOperator* diffusion_;
   Rock4Tolerances tolerances_;
   double rho_;
   int max_stages_;
+  bool alone_;  ///< one rank
   FreeBox free_;
   double free_variables_;
   FreeBox inner_;  ///< points that need no halo, in whole packs; empty if nobody sends any
   int asked_depth_;
-  std::optional<HaloCost> halo_cost_;  ///< if the depth is chosen
+  RowHalo row_halo_;
+  std::optional<HaloCost> halo_cost_;  ///< if the depth is chosen, among several ranks
   int largest_depth_ = 1;  ///< that boxes and halos allow
-  int depth_ = 1;          ///< of the attempt under way
-  int stages_left_ = 0;
-  int stages_ahead_ = 0;   ///< for which the halos at hand are deep enough
+  int depth_in_cache_;     ///< stages per pass over memory, alone
+  int rows_at_a_time_;     ///< points on a line
+  bool is_large_ = false;  ///< does not stay in cache from one stage to the next
   std::int64_t exchanges_made_ = 0;
   Rock4Table table_;
   double first_step_ = 0.0;
@@ -113,6 +129,8 @@ class Rock4 final : public Flow {
   std::deque<Field> scratch_;
   std::size_t scratch_used_ = 0;
   std::vector<Field> slope_;  ///< order 8: D Laplacian(u), for want of a fused kernel
+  std::vector<Stage> stages_;         ///< of the attempt under way
+  std::vector<WavefrontPass> passes_;
   std::vector<Buffers> buffers_;  ///< one per state
   std::vector<Field*> exchanged_;
   std::vector<const Field*> kept_;  ///< `from` fields that must not be written

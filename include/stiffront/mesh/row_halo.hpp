@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+
+#include "stiffront/mesh/boundary.hpp"
+#include "stiffront/mesh/rows.hpp"
+
+namespace stiffront {
+
+/// What a stencil reads beyond the sides of the domain, made for the rows that come next instead of for a whole field: a wavefront
+/// (mesh/wavefront.hpp) has them in cache then. The values are those of HaloExchange and Boundary. Halos next to other ranks are left alone.
+class RowHalo {
+ public:
+  /// @param width of the stencil
+  /// @pre decomposition and boundary outlive the object; no sub-cells
+  RowHalo(const Decomposition& decomposition, const Boundary& boundary, int width);
+
+  /// Before a stencil is applied to u at the points of the box: the ends of its rows, and rows beyond the rank's box as far as they are read.
+  void fill(const Rows& u, int species, const FreeBox& box) const;
+  /// Before that where there are Dirichlet sides: the points of theirs that come into reach with the box take their values at time t.
+  void impose(const Rows& u, int species, const FreeBox& box, double t) const;
+
+  /// Whether a periodic direction is this rank's alone, so that its halo is made here.
+  bool wraps(int direction) const { return sides_[static_cast<std::size_t>(direction)][0] == Side::wrapped; }
+
+ private:
+  enum class Side { others, wrapped, mirrored, extrapolated };
+
+  const Decomposition* decomposition_;
+  const Boundary* boundary_;
+  int width_;
+  bool in_plane_;
+  std::array<std::array<Side, 2>, 2> sides_{};
+};
+
+}  // namespace stiffront
