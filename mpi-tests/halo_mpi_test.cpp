@@ -108,13 +108,13 @@ void check(const Communicator& comm, const Arrangement& a) {
   std::vector<Field*> pointers;
   for (int f = 0; f < a.n_fields; ++f) fields.emplace_back(d, a.n_species, a.width + 1);
   for (Field& f : fields) pointers.push_back(&f);
-  // Twice with other numbers: the buffers are used again.
-  for (const int first : {0, 3}) {
+  // Again with other numbers: buffers are used again.
+  for (const int first : {0, 3, 5}) {
     for (int f = 0; f < a.n_fields; ++f) fill(fields[static_cast<std::size_t>(f)], first + f);
     halo.exchange(pointers);
     for (int f = 0; f < a.n_fields; ++f) expect_filled(a, fields[static_cast<std::size_t>(f)], first + f);
   }
-  EXPECT_EQ(halo.count(), 2);
+  EXPECT_EQ(halo.count(), 3);
 }
 
 std::vector<std::array<int, 2>> layouts(int ranks) {
@@ -125,12 +125,16 @@ std::vector<std::array<int, 2>> layouts(int ranks) {
   return all;
 }
 
-class HaloMpiTest : public ::testing::Test {
+/// Between ranks that share memory, and by messages: the parameter is how many may share.
+class HaloMpiTest : public ::testing::TestWithParam<int> {
  protected:
-  const Communicator world{MPI_COMM_WORLD};
+  const Communicator world{MPI_COMM_WORLD, GetParam()};
 };
 
-TEST_F(HaloMpiTest, EveryCellIsExactInOneDimension) {
+INSTANTIATE_TEST_SUITE_P(ThroughMemory, HaloMpiTest, ::testing::Values(1000));
+INSTANTIATE_TEST_SUITE_P(ByMessages, HaloMpiTest, ::testing::Values(0));
+
+TEST_P(HaloMpiTest, EveryCellIsExactInOneDimension) {
   for (const Sides& x : testing::all_sides) {
     for (const int width : {1, 2, 4}) {
       for (const int n_species : {1, 2, 3, 5}) {
@@ -142,7 +146,7 @@ TEST_F(HaloMpiTest, EveryCellIsExactInOneDimension) {
   }
 }
 
-TEST_F(HaloMpiTest, EveryCellAndCornerIsExactInTwoDimensions) {
+TEST_P(HaloMpiTest, EveryCellAndCornerIsExactInTwoDimensions) {
   for (const auto& layout : layouts(world.size())) {
     for (const Sides& x : testing::all_sides) {
       for (const Sides& y : testing::all_sides) {
@@ -156,7 +160,7 @@ TEST_F(HaloMpiTest, EveryCellAndCornerIsExactInTwoDimensions) {
   }
 }
 
-TEST_F(HaloMpiTest, SeveralFieldsOfSeveralSpeciesShareTheMessages) {
+TEST_P(HaloMpiTest, SeveralFieldsOfSeveralSpeciesShareTheMessages) {
   for (const auto& layout : layouts(world.size())) {
     for (const Sides& x : testing::all_sides) {
       for (int n_species = 1; n_species <= 5; ++n_species) {
@@ -168,7 +172,7 @@ TEST_F(HaloMpiTest, SeveralFieldsOfSeveralSpeciesShareTheMessages) {
   }
 }
 
-TEST_F(HaloMpiTest, OnlyTheChosenSpeciesAreTouched) {
+TEST_P(HaloMpiTest, OnlyTheChosenSpeciesAreTouched) {
   for (const auto& layout : layouts(world.size())) {
     for (const Sides& x : testing::all_sides) {
       for (const Sides& y : testing::all_sides) {
@@ -180,7 +184,7 @@ TEST_F(HaloMpiTest, OnlyTheChosenSpeciesAreTouched) {
 }
 
 // The smallest boxes there may be: as many points as the halo is wide, or what mirroring and extrapolation need in a whole direction.
-TEST_F(HaloMpiTest, BoxesMayBeAsNarrowAsTheHalo) {
+TEST_P(HaloMpiTest, BoxesMayBeAsNarrowAsTheHalo) {
   const auto least = [](const Sides& sides, int processes, int width) {
     if (processes > 1) return processes * width;
     if (sides == testing::periodic) return width;
@@ -203,7 +207,7 @@ TEST_F(HaloMpiTest, BoxesMayBeAsNarrowAsTheHalo) {
   }
 }
 
-TEST_F(HaloMpiTest, TooNarrowBoxesAreAnInputErrorOnEveryRank) {
+TEST_P(HaloMpiTest, TooNarrowBoxesAreAnInputErrorOnEveryRank) {
   const auto refused = [&](int n_x, const Sides& x, int width) {
     const Grid grid = testing::unit_grid(n_x, 0, x);
     const Decomposition d(world, grid, {0, 0}, 1);
@@ -228,7 +232,7 @@ TEST_F(HaloMpiTest, TooNarrowBoxesAreAnInputErrorOnEveryRank) {
   }
 }
 
-TEST_F(HaloMpiTest, HalosChangeInFinishAndNotBefore) {
+TEST_P(HaloMpiTest, HalosChangeInFinishAndNotBefore) {
   const Arrangement a{testing::unit_grid(23, 17, testing::periodic, testing::mixed), testing::periodic, testing::mixed, {0, 0}, 2, 2, 1, {}, true};
   const Decomposition d(world, a.grid, a.processes, a.width);
   const Boundary boundary = testing::boundary_of(a.x, a.y, 2, testing::zero);
@@ -250,7 +254,7 @@ TEST_F(HaloMpiTest, HalosChangeInFinishAndNotBefore) {
   expect_filled(a, u, 0);
 }
 
-TEST_F(HaloMpiTest, MisuseIsAnErrorAndLeavesTheExchangeUsable) {
+TEST_P(HaloMpiTest, MisuseIsAnErrorAndLeavesTheExchangeUsable) {
   const Arrangement a{testing::unit_grid(23, 17, testing::neumann, testing::periodic), testing::neumann, testing::periodic, {0, 0}, 2, 2, 1, {}, false};
   const Decomposition d(world, a.grid, a.processes, a.width);
   const Boundary boundary = testing::boundary_of(a.x, a.y, 2, testing::zero);
@@ -279,7 +283,7 @@ TEST_F(HaloMpiTest, MisuseIsAnErrorAndLeavesTheExchangeUsable) {
   expect_filled(a, u, 0);
 }
 
-TEST_F(HaloMpiTest, BytesSentAreThoseOfTheMessages) {
+TEST_P(HaloMpiTest, BytesSentAreThoseOfTheMessages) {
   const Grid grid = testing::unit_grid(40, 0, testing::periodic);
   const Decomposition d(world, grid, {0, 0}, 2);
   const Boundary boundary = Boundary::natural(grid);
@@ -291,7 +295,7 @@ TEST_F(HaloMpiTest, BytesSentAreThoseOfTheMessages) {
 }
 
 // Two simulations in one job, and two of them on the same ranks: no message meets another's.
-TEST_F(HaloMpiTest, SimulationsSideBySideDoNotHearEachOther) {
+TEST_P(HaloMpiTest, SimulationsSideBySideDoNotHearEachOther) {
   MPI_Comm half = MPI_COMM_NULL;
   const int colour = world.rank() % 2;
   MPI_Comm_split(MPI_COMM_WORLD, colour, world.rank(), &half);
@@ -323,7 +327,7 @@ TEST_F(HaloMpiTest, SimulationsSideBySideDoNotHearEachOther) {
   MPI_Comm_free(&half);
 }
 
-TEST_F(HaloMpiTest, FourRanksMakeAllThreeLayouts) {
+TEST_P(HaloMpiTest, FourRanksMakeAllThreeLayouts) {
   const auto all = layouts(world.size());
   EXPECT_EQ(all.size(), world.size() == 4 ? 3U : (world.size() == 1 ? 1U : 2U));
   for (const auto& layout : all) {

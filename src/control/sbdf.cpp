@@ -438,8 +438,10 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
 
   if (!take_made(t, dt, step, u_new)) make_steps(t, dt, step, u, u_new);
   const Made& made = made_[next_made_ - 1];
-  std::copy(made.sums.begin(), made.sums.end(), agreement_.sums.begin());
-  std::fill(agreement_.maxima.begin(), agreement_.maxima.end(), 0.0);
+  // What ranks tell each other takes time: most steps need one sum.
+  agreement_.sums.resize(step.tests_order ? made.sums.size() : 1);
+  agreement_.maxima.assign(step.tests_order ? made.extremes.size() + 1 : 0, 0.0);
+  std::copy_n(made.sums.begin(), agreement_.sums.size(), agreement_.sums.begin());
   const auto passes = static_cast<std::int64_t>(shifts_of(step).size());
   const auto cells = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
   (step.sweeps == 0 ? attempt.work.line_solves : attempt.work.sweeps) = passes;

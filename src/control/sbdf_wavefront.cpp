@@ -24,6 +24,10 @@ constexpr int piece_of_rows = 4096;
 /// Sweeps that a step next to other ranks may have, at most: an exchange is made for each number.
 constexpr std::array exchange_depths{1, 2, 3, 4, 6, 8, 12, 16};
 
+/// Rows are aligned at their first point, and packs across two lines of a cache take a third longer: what is computed before that point
+/// is rounded up to whole packs. Points too many have no meaning, and nobody looks at them.
+constexpr int whole_packs(int points) { return (points + pack_size - 1) / pack_size * pack_size; }
+
 }  // namespace
 
 bool SbdfWavefront::serves(const Decomposition& d, const Boundary& boundary) {
@@ -174,8 +178,8 @@ void SbdfWavefront::exchange(const Step& step, Field& predictor, Field& right_si
   const int depth = fitting.sweeps * width_;
   const int below = lower_ || periodic_y_ ? std::min(depth, n_y_) : 0;
   const int above = upper_ || periodic_y_ ? std::max(below, n_y_ - depth) : n_y_;
-  const int before = left_ ? std::min(depth, n_x_) : 0;
-  const int after = right_ ? std::max(before, n_x_ - depth) : n_x_;
+  const int before = left_ ? std::min(whole_packs(depth), n_x_) : 0;
+  const int after = right_ ? std::max(before, (n_x_ - depth) / pack_size * pack_size) : n_x_;
   for (const FreeBox& strip : {FreeBox{0, n_x_, 0, below}, FreeBox{0, n_x_, above, n_y_}, FreeBox{0, before, below, above},
                                FreeBox{after, n_x_, below, above}}) {
     if (strip.i_begin >= strip.i_end || strip.j_begin >= strip.j_end) continue;
@@ -268,7 +272,7 @@ void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const 
       sweep.r = rings.right_side.rows(alive);
       for (int k = 0; k <= sweeps; ++k) {
         const int at = front - (behind + k) * width_;
-        const FreeBox box{-beyond(left_, all_sweeps, k), n_x_ + beyond(right_, all_sweeps, k), std::max(at, -below(k)),
+        const FreeBox box{-whole_packs(beyond(left_, all_sweeps, k)), n_x_ + beyond(right_, all_sweeps, k), std::max(at, -below(k)),
                           std::min(at + rows_, n_y_ + above(k))};
         if (box.j_begin >= box.j_end) continue;
         const Rows rows = state(k);
@@ -366,7 +370,7 @@ void SbdfWavefront::line_next_to_others(const Step& step, Field& predictor, Fiel
     sweep.shift = step.shifts[static_cast<std::size_t>(k - 1)];
     sweep.v = rows_of(std::as_const(*from));
     sweep.out = rows_of(*to);
-    kernel_->sweep(*diffusion_, sweep, {-beyond(left_, sweeps, k), n_x_ + beyond(right_, sweeps, k), 0, 1});
+    kernel_->sweep(*diffusion_, sweep, {-whole_packs(beyond(left_, sweeps, k)), n_x_ + beyond(right_, sweeps, k), 0, 1});
     from = to;
   }
   finished(0, {0, n_x_, 0, 1}, {rows_of(std::as_const(predictor)), {}, {}}, false);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace stiffront {
 namespace {
@@ -169,6 +170,23 @@ ReproducibleSum ReproducibleSum::from_wire(const Wire& w) {
   }
   s.special_ = static_cast<int>(w.special);
   return s;
+}
+
+void ReproducibleSum::merge(Wire& sum, const Wire& other) {
+  __extension__ typedef unsigned __int128 Unsigned;
+  Wire lower = other;
+  if (lower.top > sum.top) std::swap(lower, sum);
+  sum.special |= lower.special;
+  if (lower.top < min_top) return;
+  const auto total = [](const Wire& w, std::int64_t k) {
+    return (static_cast<Unsigned>(static_cast<std::uint64_t>(w.total[2 * k])) << 64) | static_cast<std::uint64_t>(w.total[2 * k + 1]);
+  };
+  const std::int64_t shift = sum.top - lower.top;
+  for (std::int64_t k = 0; k + shift < levels; ++k) {
+    const Unsigned added = total(sum, k + shift) + total(lower, k);
+    sum.total[2 * (k + shift)] = static_cast<std::int64_t>(static_cast<std::uint64_t>(added >> 64));
+    sum.total[2 * (k + shift) + 1] = static_cast<std::int64_t>(static_cast<std::uint64_t>(added));
+  }
 }
 
 }  // namespace stiffront

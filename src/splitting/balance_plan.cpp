@@ -39,7 +39,9 @@ std::vector<WorkTransfer> plan_transfers(std::span<const std::int64_t> work, con
 
 std::vector<std::vector<std::int32_t>> choose_packs(std::span<const float> pack_work, std::span<const std::int64_t> amounts) {
   // Sorted by counting: the numbers are whole and small. All beyond the last bucket are taken for equally expensive.
-  constexpr std::size_t buckets = 1024;
+  constexpr std::size_t most_buckets = 1024;
+  const float largest = pack_work.empty() ? 0.0F : *std::max_element(pack_work.begin(), pack_work.end());
+  const std::size_t buckets = std::min(most_buckets, static_cast<std::size_t>(largest) + 1);
   const auto bucket_of = [&](std::size_t pack) { return std::min(buckets - 1, static_cast<std::size_t>(pack_work[pack])); };
   std::vector<std::int32_t> starts(buckets + 1, 0);
   for (std::size_t p = 0; p < pack_work.size(); ++p) ++starts[buckets - 1 - bucket_of(p)];

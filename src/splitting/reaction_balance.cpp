@@ -26,6 +26,12 @@ constexpr int there_and_back(int n_species) { return header + lanes * (1 + n_spe
 constexpr int cost_length = lanes / 2;  // as floats
 constexpr int length_of_pack(int n_species) { return there_and_back(n_species) + cost_length; }
 
+/// Packs that go through shared memory at a time, at most: with more, messages cost little in comparison.
+constexpr int packs_per_box = 64;
+
+constexpr std::size_t whole_lines(std::size_t bytes) { return (bytes + alignof(Turn) - 1) / alignof(Turn) * alignof(Turn); }
+constexpr std::size_t bytes_of_box(int n_species) { return whole_lines(sizeof(double) * packs_per_box * static_cast<std::size_t>(length_of_pack(n_species))); }
+
 double packed_place(std::int64_t cell, int n) { return std::bit_cast<double>(cell * 16 + n); }
 
 int group_of(const Decomposition& d, int largest) {
@@ -53,23 +59,55 @@ ReactionBalance::~ReactionBalance() {
   for (Pattern& p : patterns_) MPI_Wait(&p.gather, MPI_STATUS_IGNORE);
 }
 
+void ReactionBalance::share_memory(int n_species) {
+  if (n_species_ == n_species) return;
+  n_species_ = n_species;
+  for (int rank = 0; rank < group_.size(); ++rank) {
+    if (group_.node_rank(rank) < 0) return;
+  }
+  const auto ranks = static_cast<std::size_t>(group_.size());
+  memory_ = group_.share(most_patterns * sizeof(Page) + ranks * (sizeof(Box) + bytes_of_box(n_species)));
+  turns_to_.assign(ranks, 0);
+  turns_from_.assign(ranks, 0);
+}
+
+ReactionBalance::Page& ReactionBalance::page(int rank, const Pattern& pattern) const {
+  return reinterpret_cast<Page*>(memory_.of(group_.node_rank(rank)))[pattern.place];
+}
+
+ReactionBalance::Box& ReactionBalance::box(int sender, int receiver) const {
+  std::byte* const boxes = memory_.of(group_.node_rank(sender)) + most_patterns * sizeof(Page);
+  return *reinterpret_cast<Box*>(boxes + static_cast<std::size_t>(receiver) * (sizeof(Box) + bytes_of_box(n_species_)));
+}
+
 ReactionBalance::Cells ReactionBalance::cells_of(std::int32_t pack) const {
   const int i = box_.i_begin + pack % packs_per_row() * lanes;
   return {i, box_.j_begin + pack / packs_per_row(), std::min(lanes, box_.i_end - i)};
 }
 
+/// The first call of its kind goes by the last one of another: fronts are where they were.
 ReactionBalance::Pattern* ReactionBalance::nearest(const Kind& kind) {
   Pattern* best = nullptr;
   for (Pattern& p : patterns_) {
     if (p.kind.same_place(kind) && (best == nullptr || p.kind.ratio(kind) < best->kind.ratio(kind))) best = &p;
   }
-  return best;
+  if (best != nullptr || patterns_.empty()) return best;
+  return &*std::max_element(patterns_.begin(), patterns_.end(), [](const Pattern& a, const Pattern& b) { return a.used < b.used; });
 }
 
 /// Waits for what the ranks of the group told each other after the call that wrote the pattern.
 void ReactionBalance::learn(Pattern& pattern) {
-  if (pattern.gather == MPI_REQUEST_NULL) return;
-  check_mpi(MPI_Wait(&pattern.gather, MPI_STATUS_IGNORE), "MPI_Wait");
+  if (pattern.is_known) return;
+  pattern.is_known = true;
+  if (memory_) {
+    for (int rank = 0; rank < group_.size(); ++rank) {
+      const Page& told = page(rank, pattern);
+      memory_.wait_for(told.turn, pattern.told, group_.get());
+      std::copy_n(told.work[pattern.told % 2], 2, pattern.of_ranks.data() + 2 * static_cast<std::ptrdiff_t>(rank));
+    }
+  } else {
+    check_mpi(MPI_Wait(&pattern.gather, MPI_STATUS_IGNORE), "MPI_Wait");
+  }
   std::int64_t largest[2] = {0, 0};
   std::int64_t total = 0;
   for (std::size_t r = 0; r < pattern.of_ranks.size(); r += 2) {
@@ -87,7 +125,13 @@ void ReactionBalance::send(const Pattern& pattern, const Field& from, const std:
   std::vector<std::int64_t> amounts;
   std::vector<int> receivers;
   for (const WorkTransfer& transfer : plan_transfers(owned, rule_)) {
-    if (transfer.to == group_.rank()) guests_.push_back({transfer.from, false, {}});
+    if (transfer.to == group_.rank()) {
+      Guest& guest = guests_.emplace_back(Guest{.rank = transfer.from, .cells = {}});
+      if (memory_) {
+        guest.box = &box(guest.rank, group_.rank());
+        guest.turn = ++turns_from_[static_cast<std::size_t>(guest.rank)];
+      }
+    }
     if (transfer.from != group_.rank()) continue;
     amounts.push_back(transfer.work);
     receivers.push_back(transfer.to);
@@ -95,34 +139,57 @@ void ReactionBalance::send(const Pattern& pattern, const Field& from, const std:
   if (amounts.empty()) return;
 
   std::vector<std::vector<std::int32_t>> chosen = choose_packs(pattern.packs, amounts);
-  for (std::size_t k = 0; k < chosen.size(); ++k) parcels_.push_back({receivers[k], std::move(chosen[k]), {}, {}});
-  const std::int64_t points_x = decomposition_->grid().points[0];
-  const auto length = static_cast<std::size_t>(length_of_pack(n_species_));
-  for (Parcel& parcel : parcels_) {
-    parcel.there.assign(length * parcel.packs.size(), 0.0);
-    parcel.back.resize(parcel.there.size());
-    double* out = parcel.there.data();
-    for (std::int32_t pack : parcel.packs) {
-      is_away_[static_cast<std::size_t>(pack)] = true;
-      const Cells c = cells_of(pack);
-      *out = packed_place((decomposition_->offset_y() + c.j) * points_x + decomposition_->offset_x() + c.i, c.n);
-      std::copy_n(hint.data() + static_cast<std::ptrdiff_t>(c.j) * from.n_x() + c.i, c.n, out + header);
-      for (int s = 0; s < n_species_; ++s) std::copy_n(from.row(s, c.j) + c.i, c.n, out + header + lanes * (1 + s));
-      out += length;
-      counts_.cells_sent += c.n;
-    }
-    const auto size = static_cast<int>(parcel.there.size());
-    requests_.emplace_back();
-    check_mpi(MPI_Irecv(parcel.back.data(), size, MPI_DOUBLE, parcel.rank, cells_back, group_.get(), &requests_.back()), "MPI_Irecv");
-    requests_.emplace_back();
-    check_mpi(MPI_Isend(parcel.there.data(), size, MPI_DOUBLE, parcel.rank, cells_there, group_.get(), &requests_.back()), "MPI_Isend");
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    Parcel& parcel = parcels_.emplace_back(Parcel{.rank = receivers[k], .packs = std::move(chosen[k]), .there = {}, .back = {}});
+    const std::size_t length = static_cast<std::size_t>(length_of_pack(n_species_)) * parcel.packs.size();
     ++counts_.messages_sent;
-    counts_.bytes_sent += static_cast<std::int64_t>(parcel.there.size() * sizeof(double));
+    counts_.bytes_sent += static_cast<std::int64_t>(length * sizeof(double));
+    if (memory_) {
+      Box& there = box(group_.rank(), parcel.rank);
+      parcel.turn = ++turns_to_[static_cast<std::size_t>(parcel.rank)];
+      const bool fits = parcel.packs.size() <= packs_per_box;
+      there.packs = fits ? static_cast<std::int64_t>(parcel.packs.size()) : -1;
+      if (fits) {
+        parcel.box = &there;
+        fill(cells_in(there), parcel, from, hint);
+      }
+      there.there.announce(parcel.turn);
+      if (fits) continue;
+    }
+    parcel.there.assign(length, 0.0);
+    parcel.back.resize(length);
+    fill(parcel.there.data(), parcel, from, hint);
+    requests_.emplace_back();
+    check_mpi(MPI_Irecv(parcel.back.data(), static_cast<int>(length), MPI_DOUBLE, parcel.rank, cells_back, group_.get(), &requests_.back()),
+              "MPI_Irecv");
+    requests_.emplace_back();
+    check_mpi(MPI_Isend(parcel.there.data(), static_cast<int>(length), MPI_DOUBLE, parcel.rank, cells_there, group_.get(),
+                        &requests_.back()),
+              "MPI_Isend");
+  }
+}
+
+void ReactionBalance::fill(double* out, const Parcel& parcel, const Field& from, const std::vector<double>& hint) {
+  const std::int64_t points_x = decomposition_->grid().points[0];
+  for (std::int32_t pack : parcel.packs) {
+    is_away_[static_cast<std::size_t>(pack)] = true;
+    const Cells c = cells_of(pack);
+    *out = packed_place((decomposition_->offset_y() + c.j) * points_x + decomposition_->offset_x() + c.i, c.n);
+    std::copy_n(hint.data() + static_cast<std::ptrdiff_t>(c.j) * from.n_x() + c.i, c.n, out + header);
+    for (int s = 0; s < n_species_; ++s) std::copy_n(from.row(s, c.j) + c.i, c.n, out + header + lanes * (1 + s));
+    out += length_of_pack(n_species_);
+    counts_.cells_sent += c.n;
   }
 }
 
 /// @return whether the guest's cells are here now
 bool ReactionBalance::receive(Guest& guest, bool wait) {
+  if (guest.box != nullptr) {
+    if (!wait && !guest.box->there.has_come(guest.turn)) return false;
+    memory_.wait_for(guest.box->there, guest.turn, group_.get());
+    if (guest.box->packs >= 0) return guest.is_here = true;
+    guest.box = nullptr;
+  }
   MPI_Message message;
   MPI_Status status;
   int there = 1;
@@ -144,10 +211,12 @@ bool ReactionBalance::receive(Guest& guest, bool wait) {
 void ReactionBalance::serve(Guest& guest, ReactionSolver& solver, Work& work, std::optional<CellFailure>& failure) {
   const std::int64_t points_x = decomposition_->grid().points[0];
   const int length = length_of_pack(n_species_);
-  const std::ptrdiff_t packs = static_cast<std::ptrdiff_t>(guest.cells.size()) / length;
-  std::vector<float> costs(static_cast<std::size_t>(packs * lanes), 0.0F);
+  const std::ptrdiff_t packs = guest.box != nullptr ? guest.box->packs : static_cast<std::ptrdiff_t>(guest.cells.size()) / length;
+  double* const cells = guest.box != nullptr ? cells_in(*guest.box) : guest.cells.data();
+  std::vector<float>& costs = guest_costs_;
+  costs.assign(static_cast<std::size_t>(packs * lanes), 0.0F);
   for (std::ptrdiff_t p = 0; p < packs; ++p) {
-    double* at = guest.cells.data() + p * length;
+    double* at = cells + p * length;
     const auto place = std::bit_cast<std::int64_t>(*at);
     double* state = at + header + lanes;
     const std::int64_t cell = place / 16;
@@ -156,23 +225,30 @@ void ReactionBalance::serve(Guest& guest, ReactionSolver& solver, Work& work, st
   }
   keep_first(failure, solver.finish(work));
   for (std::ptrdiff_t p = 0; p < packs; ++p) {
-    std::memcpy(guest.cells.data() + p * length + there_and_back(n_species_), costs.data() + p * lanes, lanes * sizeof(float));
+    std::memcpy(cells + p * length + there_and_back(n_species_), costs.data() + p * lanes, lanes * sizeof(float));
   }
   for (float c : costs) guest_work_ += static_cast<double>(c);
+  ++counts_.messages_sent;
+  counts_.bytes_sent += static_cast<std::int64_t>(sizeof(double)) * packs * length;
+  if (guest.box != nullptr) {
+    guest.box->back.announce(guest.turn);
+    return;
+  }
   requests_.emplace_back();
   check_mpi(MPI_Isend(guest.cells.data(), static_cast<int>(guest.cells.size()), MPI_DOUBLE, guest.rank, cells_back, group_.get(),
                       &requests_.back()),
             "MPI_Isend");
-  ++counts_.messages_sent;
-  counts_.bytes_sent += static_cast<std::int64_t>(guest.cells.size() * sizeof(double));
 }
 
 void ReactionBalance::take_back(Field& to, std::vector<double>& hint, std::vector<float>& cost) {
-  check_mpi(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
-  requests_.clear();
+  if (!requests_.empty()) {
+    check_mpi(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+    requests_.clear();
+  }
   const int length = length_of_pack(n_species_);
   for (const Parcel& parcel : parcels_) {
-    const double* in = parcel.back.data();
+    if (parcel.box != nullptr) memory_.wait_for(parcel.box->back, parcel.turn, group_.get());
+    const double* in = parcel.box != nullptr ? cells_in(*parcel.box) : parcel.back.data();
     for (std::int32_t pack : parcel.packs) {
       is_away_[static_cast<std::size_t>(pack)] = false;
       const Cells c = cells_of(pack);
@@ -192,9 +268,10 @@ void ReactionBalance::take_back(Field& to, std::vector<double>& hint, std::vecto
 
 /// Writes down where the work was, over what is known of calls of this kind, and tells the group.
 void ReactionBalance::remember(Pattern* pattern, const Kind& kind, const std::vector<float>& cost) {
-  if (pattern == nullptr || pattern->kind.ratio(kind) > same_length) {
+  if (pattern == nullptr || !pattern->kind.same_place(kind) || pattern->kind.ratio(kind) > same_length) {
     if (patterns_.size() < most_patterns) {
       pattern = &patterns_.emplace_back();
+      pattern->place = patterns_.size() - 1;
     } else {
       pattern = &*std::min_element(patterns_.begin(), patterns_.end(), [](const Pattern& a, const Pattern& b) { return a.used < b.used; });
       learn(*pattern);
@@ -221,6 +298,13 @@ void ReactionBalance::remember(Pattern* pattern, const Kind& kind, const std::ve
   pattern->mine[0] = static_cast<std::int64_t>(owned);
   pattern->mine[1] = static_cast<std::int64_t>(done);
   pattern->of_ranks.resize(2 * static_cast<std::size_t>(group_.size()));
+  pattern->is_known = false;
+  if (memory_) {
+    Page& mine = page(group_.rank(), *pattern);
+    std::copy_n(pattern->mine, 2, mine.work[++pattern->told % 2]);
+    mine.turn.announce(pattern->told);
+    return;
+  }
   check_mpi(MPI_Iallgather(pattern->mine, 2, MPI_INT64_T, pattern->of_ranks.data(), 2, MPI_INT64_T, group_.get(), &pattern->gather),
             "MPI_Iallgather");
 }
@@ -228,7 +312,7 @@ void ReactionBalance::remember(Pattern* pattern, const Kind& kind, const std::ve
 std::optional<CellFailure> ReactionBalance::advance(ReactionSolver& solver, double t, double dt, const Field& from, Field& to,
                                                     std::vector<double>& hint, std::vector<float>& cost, Work& work) {
   if (!(dt > 0.0)) return solver.advance(t, dt, from, to, box_, hint, cost, work);
-  n_species_ = from.n_species();
+  share_memory(from.n_species());
   const Kind kind{.dt = dt, .in_place = &from == &to, .diffused = work.diffusion_stages > 0};
   Pattern* const pattern = nearest(kind);
   if (pattern != nullptr) {

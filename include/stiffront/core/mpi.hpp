@@ -3,10 +3,12 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "stiffront/core/node_memory.hpp"
 #include "stiffront/core/reproducible_sum.hpp"
 
 namespace stiffront {
@@ -34,11 +36,16 @@ struct Traffic {
   double seconds_waiting = 0.0;    ///< for reductions and messages
 };
 
+/// Through which agreements of ranks of one node go.
+class SharedAgreement;
+
 /// A duplicate of a communicator that returns its errors, freed at the end. Movable, never copied, never global.
 class Communicator {
  public:
-  /// Duplicates comm. @mpi collective on comm.
-  explicit Communicator(MPI_Comm comm);
+  /// Duplicates comm. Ranks of a node share memory unless there are too many of them.
+  /// @param most_sharing ranks of a node that may; negative: as many as it has processors, or a few more
+  /// @mpi collective on comm.
+  explicit Communicator(MPI_Comm comm, int most_sharing = -1);
   /// The part of this communicator whose ranks passed the same colour, in the same order. @mpi collective.
   Communicator split(int colour) const;
   Communicator(Communicator&& other) noexcept;
@@ -58,6 +65,10 @@ class Communicator {
   std::int64_t max(std::int64_t x) const;
   std::int64_t sum(std::int64_t x) const;
   void barrier() const;
+  /// Memory that this rank and those of node_rank() >= 0 see of each other; none where they may not share any. @mpi collective.
+  NodeMemory share(std::size_t bytes) const;
+  /// A rank's number among those that share memory; -1: it is not one of them.
+  int node_rank(int rank) const { return node_ranks_[static_cast<std::size_t>(rank)]; }
   /// Root's text on every rank. @mpi collective.
   std::string broadcast(const std::string& text, int root = 0) const;
 
@@ -74,12 +85,18 @@ class Communicator {
   void count_waiting(double seconds) const { traffic_.seconds_waiting += seconds; }
 
  private:
-  Communicator() = default;
+  explicit Communicator(int most_sharing);
   void measure();
+  void find_neighbours_in_node();
 
   MPI_Comm comm_ = MPI_COMM_NULL;
+  MPI_Comm node_ = MPI_COMM_NULL;  ///< those that share memory
   int rank_ = 0;
   int size_ = 1;
+  int most_sharing_;
+  bool all_share_ = false;  ///< every rank's memory is seen here
+  std::vector<int> node_ranks_;
+  mutable std::unique_ptr<SharedAgreement> shared_agreement_;  ///< made for the first agreement
   mutable Traffic traffic_;
 };
 

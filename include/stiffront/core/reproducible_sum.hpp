@@ -59,6 +59,8 @@ class ReproducibleSum {
   };
   Wire wire() const;
   static ReproducibleSum from_wire(const Wire& w);
+  /// Adds all terms of another sum that travels.
+  static void merge(Wire& sum, const Wire& other);
 
  private:
   static constexpr int levels = 3;

@@ -13,14 +13,15 @@ namespace stiffront {
 /// Brings the halos of one or several fields up to date: one message per neighbour carries all species of all fields.
 ///
 /// Persistent requests are made once; begin() packs and starts them, work that needs no halo may follow, finish() waits, unpacks
-/// and applies the physical boundaries. Every exchange object serves any fields of the shape it was made for.
+/// and applies the physical boundaries. Every exchange object serves any fields of the shape it was made for. What goes to a rank whose
+/// memory is shared is packed there and read by it: a message all the same, without its detour.
 class HaloExchange {
  public:
   /// @param width points exchanged per side; at most the fields' halo and the size of the smallest box, and less than the size of a
   ///        box with a Neumann side if that is the whole direction.
   /// @param species which species take part (all the others' halos stay as they are); empty: all.
   /// @param corners whether diagonal neighbours are served too (needed when several stencils are applied per exchange).
-  /// @throws Error(input) on every rank if a box is too small.
+  /// @throws Error(input) on every rank if a box is too small. @mpi collective
   HaloExchange(const Decomposition& decomposition, const Boundary& boundary, int n_species, int n_fields, int width,
                std::vector<int> species = {}, bool corners = false);
   /// For stencils of width `stencil` applied several times per exchange: each field has a width of its own, corners are included in two
@@ -53,7 +54,12 @@ class HaloExchange {
   struct Link {
     int dx, dy;
     int rank;
-    std::vector<double> send, recv;
+    std::size_t size;                ///< in doubles
+    std::vector<double> send{}, recv{};  ///< of messages
+    std::array<double*, 2> out{};    ///< in shared memory, used in turn
+    std::array<const double*, 2> in{};
+    Turn* sent = nullptr;            ///< nullptr: messages
+    const Turn* received = nullptr;
   };
   /// Part of a field that travels through a link.
   struct Strip {
@@ -62,8 +68,10 @@ class HaloExchange {
   };
   void make_links(int n_species, bool corners);
   Strip strip(const Link& link, int width) const;
-  void pack(Link& link) const;
-  void unpack(const std::vector<double>& buffer, const Link& link) const;
+  void share_memory();
+  void open_requests();
+  void pack(const Link& link, double* out) const;
+  void unpack(const double* in, const Link& link) const;
 
   const Decomposition* decomposition_;
   const Boundary* boundary_;
@@ -71,6 +79,9 @@ class HaloExchange {
   int stencil_;
   std::vector<int> species_;
   std::vector<Link> links_;
+  NodeMemory memory_;
+  int sent_per_exchange_ = 0;
+  std::int64_t bytes_per_exchange_ = 0;
   std::vector<MPI_Request> requests_;
   std::vector<Field*> open_;
   std::int64_t count_ = 0;

@@ -30,6 +30,9 @@ struct BalanceCounts {
 /// another ended is cheap next to one that diffusion has put out of balance. The ranks of a group tell each other their work by a gather that nobody waits for before
 /// the next such call, and come to the same plan each on its own. Nothing of this changes a bit of the result.
 ///
+/// Ranks that share memory tell each other their work and hand over packs there: what a line of a thousand cells has to gain in a call
+/// is less than messages take.
+///
 /// Up to `largest_group` ranks are one group. More are divided into groups that each sample the whole domain (see balance_groups), so that no
 /// table grows beyond that.
 /// @cost two messages per transfer of the plan and call; 4 bytes a pack for each of a few kinds of calls
@@ -66,28 +69,52 @@ class ReactionBalance {
   /// Where the work was in the last call of a kind.
   struct Pattern {
     Kind kind;
+    std::size_t place = 0;               ///< among the patterns
     std::int64_t used = 0;               ///< number of the call that wrote it
+    std::uint64_t told = 0;              ///< times that the ranks have told each other
+    bool is_known = true;                ///< what they told last
     std::vector<float> packs;            ///< work of each pack of the box
     std::int64_t mine[2] = {0, 0};       ///< owned, done
     std::vector<std::int64_t> of_ranks;  ///< the same of all ranks of the group, once gathered
     MPI_Request gather = MPI_REQUEST_NULL;
   };
+  /// In shared memory: what a rank has to do, by pattern, told in two places in turn, since one who tells again knows of all others that they
+  /// have read what was told before the last time.
+  struct Page {
+    Turn turn;
+    std::int64_t work[2][2];
+  };
+  /// In the sender's shared memory, one for each rank it may send to: packs go there, are advanced in place and so come back.
+  struct Box {
+    Turn there;
+    Turn back;
+    std::int64_t packs;  ///< negative: too many for the box, they come by message
+  };
   /// Packs that are elsewhere.
   struct Parcel {
     int rank;
     std::vector<std::int32_t> packs;
-    std::vector<double> there, back;
+    std::vector<double> there, back;  ///< of messages
+    Box* box = nullptr;
+    std::uint64_t turn = 0;
   };
   /// Packs of another rank.
   struct Guest {
     int rank;
     bool is_here = false;
-    std::vector<double> cells;
+    std::vector<double> cells;  ///< of messages
+    Box* box = nullptr;
+    std::uint64_t turn = 0;
   };
 
+  void share_memory(int n_species);
+  Page& page(int rank, const Pattern& pattern) const;
+  Box& box(int sender, int receiver) const;
+  static double* cells_in(Box& box) { return reinterpret_cast<double*>(&box + 1); }
   Pattern* nearest(const Kind& kind);
   void learn(Pattern& pattern);
   void send(const Pattern& pattern, const Field& from, const std::vector<double>& hint);
+  void fill(double* out, const Parcel& parcel, const Field& from, const std::vector<double>& hint);
   bool receive(Guest& guest, bool wait);
   void serve(Guest& guest, ReactionSolver& solver, Work& work, std::optional<CellFailure>& failure);
   void take_back(Field& to, std::vector<double>& hint, std::vector<float>& cost);
@@ -104,6 +131,8 @@ class ReactionBalance {
   FreeBox box_;
   BalanceRule rule_;
   Communicator group_;
+  NodeMemory memory_;
+  std::vector<std::uint64_t> turns_to_, turns_from_;  ///< of the boxes, by rank of the group
   std::list<Pattern> patterns_;
   std::int64_t calls_ = 0;
   double sent_work_ = 0.0;
@@ -111,6 +140,7 @@ class ReactionBalance {
   std::vector<Parcel> parcels_;
   std::vector<Guest> guests_;
   std::vector<bool> is_away_;          ///< by pack
+  std::vector<float> guest_costs_;
   std::vector<MPI_Request> requests_;  ///< of the call under way
   int n_species_ = 0;
   BalanceCounts counts_;
