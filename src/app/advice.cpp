@@ -18,6 +18,13 @@ namespace {
 /// What order four misses where order two misses so much: of a wave of number k these are k^4 h^4 / 90 and k^2 h^2 / 12.
 double of_order_four(double of_order_two) { return 1.6 * of_order_two * of_order_two; }
 
+constexpr double far_from_kept = 1.6;  // times method.final_error: the rule keeps it within a few per cent where it can
+
+double kept_final_error(const MethodOptions& method) {
+  const auto* strang = std::get_if<AdaptiveStrangOptions>(&method);
+  return strang != nullptr && strang->critical_step ? strang->final_error.value_or(0.0) : 0.0;
+}
+
 }  // namespace
 
 ErrorRecord::ErrorRecord(const MethodOptions& method) {
@@ -108,6 +115,11 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
     lines.push_back(fmt::format("error in time at the end: about {:.2g}, {:.2g} times the tolerance of a step, by a second solution with four times "
                                 "the step",
                                 *summary.final_error, *summary.final_error / errors.tolerance()));
+    if (const double asked = kept_final_error(c.method); asked > 0.0 && *summary.final_error > far_from_kept * asked * errors.tolerance()) {
+      lines.push_back(fmt::format("that is more than method.final_error = {:.3g} tolerances: errors that were small when they were made have grown, or what they "
+                                  "are measured by has shrunk. A run with method.final_error={:.2g} ends nearer to it",
+                                  asked, asked * asked * errors.tolerance() / *summary.final_error));
+    }
   } else if (errors.tolerance() > 0.0 && errors.estimates() > 0) {
     lines.push_back(fmt::format("error in time: every step's estimate is within the tolerance {:.2g} (largest {:.2g}, sum over {} steps {:.2g}). What is "
                                 "left of that at the end is up to the model: waves and patterns that attract forget most of it, chaos amplifies it. A "

@@ -14,6 +14,7 @@
 #include "schema.hpp"
 #include "sdc_defaults.hpp"
 #include "stiffront/app/methods.hpp"
+#include "stiffront/control/adaptive_strang.hpp"
 #include "stiffront/core/entry_error.hpp"
 #include "stiffront/core/spelling.hpp"
 #include "stiffront/model/expression.hpp"
@@ -433,6 +434,7 @@ class Completion {
     for (std::size_t i = 0; i < o.species.size(); ++i)
       check_species(fmt::format("method.species[{}]", i), o.species[i]);
     if (o.species.empty()) o.species = c_.model.species;
+    if (!o.final_error) o.final_error = default_final_error(o.tolerance);
   }
 
   void method(DcsOptions& o) const {

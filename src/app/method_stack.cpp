@@ -121,7 +121,7 @@ void MethodStack::make(const Case& c, const AdaptiveStrangOptions& o, Problem& p
   a.gamma = o.gamma;
   a.theta = o.theta;
   a.max_growth = o.max_growth;
-  a.final_error = o.final_error;
+  a.final_error = o.final_error.value();
   a.order = order_of(o.order);
   a.species = species_indices(o.species, problem);
   method_ = std::make_unique<AdaptiveStrang>(problem.state, problem.boundary, *problem.model, *reaction_, *diffusion_, std::move(a));

@@ -271,9 +271,10 @@ std::vector<Key> adaptive_strang_keys() {
              "an adapted shift puts the critical step at theta times the step"),
       number("method.max_growth", above_one, STIFFRONT_METHOD(Options, max_growth),
              "largest factor from one trial step to the next"),
-      number("method.final_error", not_negative, STIFFRONT_METHOD(Options, final_error),
-             "error at the end, in tolerances, for which steps are kept small enough, told by a second solution with four times the step; "
-             "0: neither estimated nor kept; only with critical_step"),
+      with_default(number("method.final_error", not_negative, STIFFRONT_METHOD(Options, final_error),
+                          "error at the end, in tolerances, for which steps are kept small enough, told by a second solution with four times the step; "
+                          "0: neither estimated nor kept; only with critical_step"),
+                   "3; below a tolerance of 3e-7 more, 2 (1e-6/tolerance)^(1/3)"),
       choice("method.order", STIFFRONT_METHOD(Options, order), "which flow a step ends with"),
       with_default(names("method.species", STIFFRONT_METHOD(Options, species), "species that enter the error"), "all"),
   };

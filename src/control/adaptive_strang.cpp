@@ -24,6 +24,8 @@ constexpr double round_off_floor = 1e-13;
 
 }  // namespace
 
+double default_final_error(double tolerance) { return std::max(3.0, 2.0 * std::cbrt(1e-6 / tolerance)); }
+
 AdaptiveStrang::AdaptiveStrang(const Field& shape, const Boundary& boundary, const ReactionTerm& model, ReactionFlow& reaction,
                                Flow& diffusion, AdaptiveStrangOptions options)
     : comm_(&shape.comm()),

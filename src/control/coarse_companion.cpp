@@ -82,7 +82,7 @@ double CoarseCompanion::limit_from(double rate) const {
   const double share = (t_ - t_begin_) / whole;
   const double felt = budget_ * (share < early ? early_felt_from : std::max(felt_from, share_felt_from * share));
   if (!(error_ > felt && rate > 0.0)) return std::numeric_limits<double>::infinity();
-  const double rest = std::max(budget_ - error_, least_rest * budget_);
+  const double rest = std::max(budget_ - error_, least_rest * std::max(budget_, error_));
   return std::sqrt(rest / std::max(t_end_ - t_, least_time * whole) / rate);
 }
 

@@ -51,6 +51,7 @@ name = "adaptive-strang"
 struct Outcome {
   Field state;
   double estimate = 0.0;
+  std::int64_t steps = 0;
 };
 
 class AdaptiveStrangVariant : public ::testing::TestWithParam<Variant> {
@@ -75,7 +76,7 @@ class AdaptiveStrangVariant : public ::testing::TestWithParam<Variant> {
     EXPECT_TRUE(evolve(stack.method(), schedule, problem.state, progress, nobody));
     Work work;
     const double estimate = stack.method().final_error(progress.t, problem.state, work).value_or(0.0);
-    Outcome outcome{problem.state.similar(), estimate};
+    Outcome outcome{problem.state.similar(), estimate, progress.accepted};
     outcome.state.copy_interior(problem.state);
     return outcome;
   }
@@ -138,6 +139,25 @@ INSTANTIATE_TEST_SUITE_P(
                  "time.breakpoints=[4e-9, 3.74e-7]", "time.restart_step={ period = 3.7e-7, step = 4e-9 }", "output.times=[6e-7]"}},
         Variant{"brusselator_in_the_plane", "brusselator-2d", {"grid.points=[24, 24]", "time.end=1.0"}},
         Variant{"bz_in_the_plane", "bz-2d-spiral", {"grid.points=[24, 24]", "time.end=0.02"}}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+using AdaptiveStrangAtFineTolerances = AdaptiveStrangVariant;
+
+TEST_P(AdaptiveStrangAtFineTolerances, EndsWithinTenTolerancesInLittleMoreThanTheStepsThatAsksFor) {
+  const Outcome reference = run("method={ name = \"cvode\", relative_tolerance = 1e-12, absolute_tolerance = 1e-14, linear_solver = \"band\" }");
+  const Outcome kept = run("method={ name = \"adaptive-strang\", tolerance = 1e-8 }");
+  const Outcome free = run("method={ name = \"adaptive-strang\", tolerance = 1e-8, final_error = 0 }");
+  const double error = distance(kept.state, reference.state);
+  EXPECT_LT(error, 1e-7);
+  // The error falls with the square of the step. A quarter more is for beginning with small ones.
+  const double needed = std::sqrt(std::max(1.0, distance(free.state, reference.state) / error));
+  EXPECT_LT(static_cast<double>(kept.steps), 1.25 * needed * static_cast<double>(free.steps));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Models, AdaptiveStrangAtFineTolerances,
+    ::testing::Values(Variant{"bz", "bz-1d", {"grid.points=[251]", "time.end=0.02"}},
+                      Variant{"kpp", "kpp-1d", {"model.parameters.k=10.0", "grid.lower=[-5.0]", "grid.upper=[5.0]", "grid.points=[201]", "time.end=2.0"}}),
     [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace

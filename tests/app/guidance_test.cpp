@@ -195,6 +195,17 @@ TEST(Advice, NamesWhatStandsOut) {
   EXPECT_EQ(advice(c, summary, ErrorRecord(c.method), {{0.0, 0.0, 0.0}, 0.0}).size(), 0U);
 }
 
+TEST(Advice, SaysWhatToAskForWhereTheErrorAtTheEndIsMoreThanKept) {
+  Summary summary;
+  summary.final_error = 9e-4;
+  const auto says_more = [&](const char* method) {
+    const Case c = parse_example({method});
+    return advice(c, summary, ErrorRecord(c.method), {{0.0, 0.0, 0.0}, 0.0});
+  };
+  EXPECT_TRUE(says(says_more("method={name=\"adaptive-strang\", tolerance=1e-4}"), "A run with method.final_error=1 ends nearer to it"));
+  EXPECT_FALSE(says(says_more("method={name=\"adaptive-strang\", tolerance=1e-4, final_error=8}"), "ends nearer to it"));
+}
+
 TEST(Advice, SaysWhetherTheToleranceOfDcsIsFinerThanTheGridDeserves) {
   const Case c = parse_example({"method={name=\"dcs\", tolerance=1e-6}"});
   ErrorRecord errors(c.method);

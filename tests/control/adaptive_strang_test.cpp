@@ -420,6 +420,13 @@ TEST(AdaptiveStrang, KeepsTheErrorAtTheEndWhereErrorsOfStepsAddUp) {
       << "the error falls with the square of the step";
 }
 
+TEST(AdaptiveStrang, ByDefaultTheErrorAtTheEndFallsLikeThreeTolerancesAndBelowLikeThePowerTwoThirds) {
+  for (double tolerance : {1e-2, 1e-4, 1e-6, 3e-7}) EXPECT_EQ(default_final_error(tolerance), 3.0) << tolerance;
+  EXPECT_NEAR(1e-8 * default_final_error(1e-8) / (1e-11 * default_final_error(1e-11)), 100.0, 1e-9);
+  EXPECT_LT(default_final_error(1e-8), 10.0);
+  EXPECT_NEAR(default_final_error(2.96e-7), 3.0, 0.01) << "no jump";
+}
+
 TEST(AdaptiveStrang, TheSecondSolutionLeavesStepsOfTheSameSizeAlone) {
   KppWave wave(601);
   AdaptiveStrangOptions options;

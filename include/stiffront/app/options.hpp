@@ -145,7 +145,7 @@ struct AdaptiveStrangOptions {
   double gamma = 0.95;
   double theta = 10.0;
   double max_growth = 5.0;  ///< of the step from one attempt to the next
-  double final_error = 3.0;  ///< of the whole run, in tolerances; 0 = neither estimated nor kept
+  std::optional<double> final_error;  ///< of the whole run, in tolerances; 0 = neither estimated nor kept; complete case: set
   SplittingOrder order = SplittingOrder::reaction_last;
   std::vector<std::string> species;  ///< those that enter the error; complete case: never empty
 

@@ -33,6 +33,12 @@ struct AdaptiveStrangOptions {
   std::vector<int> species;        ///< those that enter the error; empty: all
 };
 
+/// What final_error should be unless told otherwise: 3, and 2 (1e-6/tolerance)^(1/3) where that is more, from 3e-7 downwards.
+///
+/// There the strategy lowers epsilon so that local errors are a fixed part of the tolerance and steps fall like its cube root, their sum
+/// like its power 2/3. A sum that has to fall like the tolerance itself needs steps like its square root: ever more beyond those.
+double default_final_error(double tolerance);
+
 /// Strang splitting with an epsilon-shifted embedded scheme, and control of the step, of the critical step below which the
 /// difference of the two overestimates the splitting error, and of epsilon.
 ///
