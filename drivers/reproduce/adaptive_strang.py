@@ -222,19 +222,24 @@ def discharge(program):
     program.keep("discharge", numbers)
 
 
-def custom(reaction, diffusion, initial, half_width, points, end, dimension=1):
+def custom(rates, diffusion, initial, lower, upper, points, end, dimension=1):
+    """The text of a case: rates, diffusion and initial by the name of the species."""
+    def lines(entries):
+        return "\n".join(f'{name} = "{value}"' for name, value in entries.items())
+
     return f"""[grid]
 points = {[points] * dimension}
-lower = {[-half_width] * dimension}
-upper = {[half_width] * dimension}
+lower = {[lower] * dimension}
+upper = {[upper] * dimension}
 [model]
 name = "custom"
-species = ["u"]
-diffusion = {{ u = {diffusion} }}
+species = {json.dumps(list(rates))}
+[model.diffusion]
+{lines(diffusion)}
 [model.reaction]
-u = "{reaction}"
+{lines(rates)}
 [initial]
-u = "{initial}"
+{lines(initial)}
 [time]
 end = {end}
 [method]
@@ -242,11 +247,19 @@ name = "adaptive-strang"
 """
 
 
-def discharge_of(field, pulse, period):
-    """Two periods, with states after both pulses and at the end."""
-    return "discharge-1d", [f"model.parameters={{field={field}, period={period}, pulse={pulse}}}", f"time.end={2 * period}",
-                            f"time.breakpoints=[{pulse}, {period + pulse}]", f"time.restart_step={{period={period}, step={pulse}}}",
-                            f"output.times=[{pulse}, {period + pulse}, {2 * period}]"]
+def front(rate, diffusion, initial, half_width, points, end, dimension=1):
+    return custom({"u": rate}, {"u": diffusion}, {"u": initial}, -half_width, half_width, points, end, dimension)
+
+
+def discharge_of(field, pulse, period, start=0.0, periods=2, electrode=0.01):
+    """Some periods, with states after every pulse and at the end."""
+    end = periods * period
+    jumps = [float(f"{k * period + phase:.12g}") for k in range(periods) for phase in (0.0, pulse)]
+    jumps = [t for t in jumps if start < t < end]
+    return "discharge-1d", [f"model.parameters={{field={field}, period={period}, pulse={pulse}, electrode={electrode}}}",
+                            f"time.start={start}", f"time.end={end}", f"time.breakpoints={jumps}",
+                            f"time.restart_step={{period={period}, step={pulse}}}",
+                            f"output.times={[t for t in jumps if t % period > 0.5 * pulse] + [end]}"]
 
 
 VARIANTS = {  # a case, or the text of one, and what is changed
@@ -255,10 +268,10 @@ VARIANTS = {  # a case, or the text of one, and what is changed
     "KPP, k = 10": ("kpp-1d", ["model.parameters.k=10.0", "model.diffusion.u=0.1"]),
     "KPP, k = 30": ("kpp-1d", ["model.parameters.k=30.0", "model.diffusion.u=0.0333333333333", "grid.lower=[-20.0]", "grid.upper=[20.0]",
                                "time.end=5.0"]),
-    "10 u (1 - u)(u - 1/4)": (custom("10*u*(1-u)*(u-0.25)", 1.0, "1/(1+exp(sqrt(5)*(x+10)))", 30, 1501, 20), []),
-    "10 u (1 - u)": (custom("10*u*(1-u)", 0.1, "1/(1+exp(10/sqrt(6)*(x+10)))^2", 30, 1501, 10), []),
-    "5 u^3 (1 - u)": (custom("5*u^3*(1-u)", 1.0, "1/(1+exp(x+20))", 40, 1601, 30), []),
-    "30 u (1 - u) exp(5 u - 5)": (custom("30*u*(1-u)*exp(-5*(1-u))", 0.5, "1/(1+exp(4*(x+10)))", 20, 1601, 10), []),
+    "10 u (1 - u)(u - 1/4)": (front("10*u*(1-u)*(u-0.25)", 1.0, "1/(1+exp(sqrt(5)*(x+10)))", 30, 1501, 20), []),
+    "10 u (1 - u)": (front("10*u*(1-u)", 0.1, "1/(1+exp(10/sqrt(6)*(x+10)))^2", 30, 1501, 10), []),
+    "5 u^3 (1 - u)": (front("5*u^3*(1-u)", 1.0, "1/(1+exp(x+20))", 40, 1601, 30), []),
+    "30 u (1 - u) exp(5 u - 5)": (front("30*u*(1-u)*exp(-5*(1-u))", 0.5, "1/(1+exp(4*(x+10)))", 20, 1601, 10), []),
     "BZ, f = 1.6": ("bz-1d", []),
     "BZ, f = 2": ("bz-1d", ["model.parameters.f=2.0", "time.end=0.6"]),
     "BZ, f = 1.8, q = 1e-3": ("bz-1d", ["model.parameters.f=1.8", "model.parameters.q=1e-3", "time.end=0.6"]),
@@ -277,7 +290,7 @@ VARIANTS = {  # a case, or the text of one, and what is changed
     "switched source": ("pulse-1d", []),
     "switched source, other times": ("pulse-1d", ["model.parameters.on=0.17", "model.parameters.off=0.41", "time.breakpoints=[0.17,0.41]"]),
     "angiogenesis": ("angiogenesis-1d", []),
-    "KPP in 2-D": (custom("10*u^2*(1-u)", 0.1, "1/(1+exp(10*(sqrt(x^2+y^2)-3)/sqrt(2)))", 8, 96, 2, dimension=2), []),
+    "KPP in 2-D": (front("10*u^2*(1-u)", 0.1, "1/(1+exp(10*(sqrt(x^2+y^2)-3)/sqrt(2)))", 8, 96, 2, dimension=2), []),
     "discharge": discharge_of(4e4, 1e-8, 1e-6),
     "discharge, 30 kV/cm": discharge_of(3e4, 1e-8, 1e-6),
     "discharge, 35 kV/cm": discharge_of(3.5e4, 1e-8, 1e-6),
@@ -285,6 +298,32 @@ VARIANTS = {  # a case, or the text of one, and what is changed
     "discharge, 40 kV/cm for 4 ns every 0.37 us": discharge_of(4e4, 4e-9, 3.7e-7),
     "discharge, 30 kV/cm for 25 ns every 2.3 us": discharge_of(3e4, 2.5e-8, 2.3e-6),
     "Gray-Scott pulses": ("gray-scott-1d", ["time.end=200.0"]),
+    # None of these had a part in how the limit on the step was chosen.
+    "KPP, k = 100": ("kpp-1d", ["model.parameters.k=100.0", "model.diffusion.u=0.01", "grid.lower=[-5.0]", "grid.upper=[5.0]", "grid.points=[3001]",
+                                "time.end=2.0"]),
+    "20 u (1 - u^2)": (front("20*u*(1-u^2)", 0.2, "1/(1+exp(5*(x+15)))", 20, 1601, 6), []),
+    "40 u^2 (1 - u)^2": (front("40*u^2*(1-u)^2", 0.5, "1/(1+exp(3*(x+20)))", 30, 2001, 10), []),
+    "60 u (1 - u)(u - 2/5)": (front("60*u*(1-u)*(u-0.4)", 0.5, "1/(1+exp(7*(x+5)))", 15, 1501, 10), []),
+    "40 u (1 - u)(u - 1/5) in 2-D": (front("40*u*(1-u)*(u-0.2)", 0.05, "1/(1+exp(15*(sqrt(x^2+2*y^2)-2)))", 5, 80, 1.5, dimension=2), []),
+    "BZ, f = 1.4": ("bz-1d", ["model.parameters.f=1.4"]),
+    "BZ, f = 2.5, q = 1e-3": ("bz-1d", ["model.parameters.f=2.5", "model.parameters.q=1e-3", "time.end=0.6"]),
+    "BZ in two variables, f = 1.4, q = 1e-3": ("bz2-1d", ["model.parameters.f=1.4", "model.parameters.q=1e-3"]),
+    "BZ in two variables, f = 3, q = 2e-4": ("bz2-1d", ["model.parameters.f=3.0", "model.parameters.q=2e-4", "time.end=0.6"]),
+    "BZ in two variables, spiral in 2-D": ("bz-2d-spiral", ['model={name="bz2", parameters={epsilon=1e-2, f=1.6, q=2e-3}, diffusion={b=2.5e-3, c=1.5e-3}}',
+                                                              'initial.profile="bz2-spiral"', "grid.points=[48,48]", "time.end=0.3"]),
+    "FitzHugh-Nagumo, gamma = 2": ("fhn-1d", ["model.parameters.gamma=2.0", "time.end=4.0"]),
+    "FitzHugh-Nagumo, epsilon = 0.02, a = 0.05": ("fhn-1d", ["model.parameters.epsilon=0.02", "model.parameters.a=0.05"]),
+    "predators after prey": (custom({"u": "10*u*(1-u)-12*u*v/(0.3+u)", "v": "8*u*v/(0.3+u)-3*v"}, {"u": 0.01, "v": 0.02},
+                                    {"u": "1-0.5*exp(-40*(x-1)^2)", "v": "0.2*exp(-20*(x-1)^2)"}, 0.0, 6.0, 601, 4.0), []),
+    "Schnakenberg": (custom({"u": "20*(0.1-u+u^2*v)", "v": "20*(0.9-u^2*v)"}, {"u": 1e-3, "v": 4e-2},
+                            {"u": "1+0.1*cos(2*pi*x)", "v": "0.9+0.05*cos(4*pi*x)"}, 0.0, 1.0, 201, 2.0), []),
+    "Gray-Scott in 2-D": ("gray-scott-2d", ["grid.points=[64,64]", "grid.upper=[0.625,0.625]", "model.parameters={F=0.035, k=0.062}", "time.end=200.0"]),
+    "lambda-omega to t = 30": ("lambda-omega-1d", ["time.end=30.0"]),
+    "discharge, 45 kV/cm": discharge_of(4.5e4, 1e-8, 1e-6),
+    "discharge, 25 kV/cm for 50 ns every 5 us": discharge_of(2.5e4, 5e-8, 5e-6),
+    "discharge, 36 kV/cm for 2 ns every 0.1 us": discharge_of(3.6e4, 2e-9, 1e-7),
+    "discharge, first pulse 0.57 us after the start": discharge_of(4e4, 1e-8, 1e-6, start=4.3e-7),
+    "discharge, 38 kV/cm over 3 mm, begun within a pulse": discharge_of(3.8e4, 2e-8, 7e-7, start=5e-9, electrode=0.03),
 }
 
 

@@ -13,13 +13,14 @@ constexpr double felt_from = 0.1;        // of the budget, or
 constexpr double share_felt_from = 0.5;  // of the budget's share of the time so far; but
 constexpr double early_felt_from = 0.4;  // of the budget, and no rate is believed,
 constexpr double early = 0.002;          // of the time: profiles adjust to the splitting, which is not the beginning of a drift
-constexpr double least_rest = 0.1;       // of the budget: what is left to spend is never taken to be less
+constexpr double least_rest = 0.1;       // of the budget, or of the error if that is more: what is left to spend is never taken to be less
 constexpr double least_time = 0.1;       // of the whole: the time left is never taken to be less, so that the end does not bring large steps
 constexpr double mark_every = 0.1;       // of the time so far
-// Of the limit, from one step of the companion to the next: before and after it was felt for the first time. A rate that dips must not undo
-// what was saved.
+// Of the limit, from one step of the companion to the next: before and after it was felt for the first time, and with the budget spent. A rate that
+// dips must not undo what was saved.
 constexpr double early_growth = 2.0;
 constexpr double growth = 1.1;
+constexpr double spent_growth = 1.0;
 constexpr double least_ratio = 2.0;    // of the errors: below, the difference says little
 
 constexpr double cube(double x) { return x * x * x; }
@@ -95,7 +96,8 @@ void CoarseCompanion::learn(double difference, bool all_well, double c0) {
   const double growth_seen = (error_ - marks_[0].error) / (fine_cubes_ - marks_[0].cubes);
   // What grows faster than local errors can add up is old errors. The faster, the less the step has to do with it.
   const double limit = limit_from(c0 > 0.0 && growth_seen > c0 ? c0 * c0 / growth_seen : growth_seen);
-  const double reach = std::min((limited_ ? growth : early_growth) * limit_, t_end_ - t_begin_);
+  const double factor = !limited_ ? early_growth : error_ > budget_ ? spent_growth : growth;
+  const double reach = std::min(factor * limit_, t_end_ - t_begin_);
   if (limit < reach) limited_ = true;
   limit_ = std::min(limit, reach);
   if (t_ - marked_at_ >= mark_every * (t_ - t_begin_)) {

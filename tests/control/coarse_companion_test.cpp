@@ -96,6 +96,23 @@ TEST(CoarseCompanion, GrowthOfOldErrorsCostsNotManySteps) {
   EXPECT_LT(r.steps, 3.6 / h);
 }
 
+TEST(CoarseCompanion, WithTheBudgetSpentErrorsThatGoToAndFroDoNotLetTheStepGrow) {
+  // Old errors grow beyond the budget between 0.2 and 0.3, then go to and fro. Steps as tolerated would add 30 to them.
+  const double h = 1e-3;
+  const double rate = 30.0 / (h * h);
+  double t = 0.0;
+  double added_late = 0.0;
+  const auto sway = [](double at) { return at > 0.3 ? 0.4 * std::sin(100.0 * (at - 0.3)) : 0.0; };
+  spend(h, rate, [&](double, double step) {
+    const double before = t;
+    t += step;
+    const double added = rate * step * step * step;
+    if (t > 0.3) added_late += added;
+    return (t > 0.2 && t < 0.3 ? 15.0 * step : 0.0) + added + sway(t) - sway(before);
+  });
+  EXPECT_LT(added_late, 0.5);
+}
+
 TEST(CoarseCompanion, ErrorsThatArePartOfTheBudgetLeaveTheStepAlone) {
   const double h = 1e-3;
   const Outcome r = spend(h, 20.0 / (h * h), [&](double, double step) { return 0.8 / (h * h) * step * step * step; });
