@@ -67,6 +67,7 @@ void ReactionBalance::share_memory(int n_species) {
   }
   const auto ranks = static_cast<std::size_t>(group_.size());
   memory_ = group_.share(most_patterns * sizeof(Page) + ranks * (sizeof(Box) + bytes_of_box(n_species)));
+  if (memory_) rule_.least_gain = std::min(rule_.least_gain, rule_.least_gain_in_memory);
   turns_to_.assign(ranks, 0);
   turns_from_.assign(ranks, 0);
 }
@@ -285,9 +286,12 @@ void ReactionBalance::remember(Pattern* pattern, const Kind& kind, const std::ve
   for (int j = box_.j_begin; j < box_.j_end; ++j) {
     const float* of_cells = cost.data() + static_cast<std::ptrdiff_t>(j) * decomposition_->n_x();
     for (int i = box_.i_begin; i < box_.i_end; i += lanes) {
-      const int end = std::min(i + lanes, box_.i_end);
       float sum = 0.0F;
-      for (int k = i; k < end; ++k) sum += of_cells[k];
+      if (i + lanes <= box_.i_end) {  // nearly all: a fixed number of terms
+        for (int k = 0; k < lanes; ++k) sum += of_cells[i + k];
+      } else {
+        for (int k = i; k < box_.i_end; ++k) sum += of_cells[k];
+      }
       pattern->packs[pack++] = sum;
       owned += static_cast<double>(sum);
     }

@@ -9,14 +9,17 @@
 namespace stiffront {
 namespace {
 
-/// So few cells take less time than ranks take to tell each other how much they have to do.
+/// So few cells take less time than ranks take to tell each other how much they have to do, by messages or through memory.
 constexpr std::int64_t fewest_cells = 768;
+constexpr std::int64_t fewest_cells_in_memory = 192;
 
 /// The same on all ranks.
 bool may_pay(const Decomposition& d) {
   std::int64_t cells = 1;
   for (std::size_t k = 0; k < 2; ++k) cells *= (d.grid().points[k] + d.processes()[k] - 1) / d.processes()[k];
-  return d.comm().size() > 1 && cells >= fewest_cells;
+  bool all_share = true;
+  for (int rank = 0; rank < d.comm().size(); ++rank) all_share &= d.comm().node_rank(rank) >= 0;
+  return d.comm().size() > 1 && cells >= (all_share ? fewest_cells_in_memory : fewest_cells);
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ struct WorkTransfer {
 struct BalanceRule {
   double threshold = 1.02;         ///< largest over mean work up to which everything stays where it is
   std::int64_t least_gain = 400;   ///< so much less must the busiest rank have to do: what the messages take
+  std::int64_t least_gain_in_memory = 120;  ///< the same where ranks share memory
   double least_transfer = 0.005;   ///< of the mean work; smaller transfers are left out
 };
 
