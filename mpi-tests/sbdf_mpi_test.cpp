@@ -60,7 +60,7 @@ class Recorder final : public Observer {
 };
 
 template <class M>
-Outcome run(const DiffusionProblem& p, double tolerance, const std::vector<double>& amplitude, int max_sweeps) {
+Outcome run(const DiffusionProblem& p, double tolerance, const std::vector<double>& amplitude, int max_sweeps, int depth = 0, std::int64_t steps = 100) {
   ModelKernelsOf<M> model({});
   CoupledRhs rhs(p.decomposition, p.diffusion, model);
   Outcome r{p.field([&](int s, double x, double y) {
@@ -74,9 +74,10 @@ Outcome run(const DiffusionProblem& p, double tolerance, const std::vector<doubl
   SbdfOptions options;
   options.relative_tolerance = tolerance;
   options.max_sweeps = max_sweeps;
+  options.wavefront_depth = depth;
   Sbdf method(r.u, rhs, model, options);
   Progress progress;
-  Recorder recorder(r, max_sweeps == 1 ? 250 : 100);
+  Recorder recorder(r, max_sweeps == 1 ? 250 : steps);
   evolve(method, Schedule{}, r.u, progress, recorder);
   return r;
 }
@@ -107,9 +108,8 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
         const Outcome got = run<M>(shared, tolerance, amplitude, max_sweeps);
         EXPECT_EQ(got.dt, expected.dt);
         EXPECT_EQ(got.error, expected.error);
-        // One exchange per step where no values are given at the sides and a division does not cut a periodic direction in x.
-        const bool served = setting.y != BoundaryKind::dirichlet &&
-                            (setting.x == BoundaryKind::neumann || (setting.x == BoundaryKind::periodic && layout[0] == 1 && setting.grid.dimension == 2));
+        // One exchange per step where a division does not cut a periodic direction in x.
+        const bool served = setting.x != BoundaryKind::periodic || layout[0] == 1;
         if (served && world.size() > 1 && got.work.line_solves == 0 && got.work.sweeps > static_cast<std::int64_t>(got.dt.size()) &&
             got.work.sweeps < 8 * static_cast<std::int64_t>(got.dt.size())) {
           EXPECT_LT(got.work.halo_exchanges, got.work.sweeps) << "steps of several sweeps exchange once";
@@ -138,6 +138,39 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
     EXPECT_GT(line_solves, before) << "cells are coupled where diffusion is stiff";
   }
   compare(Pulse{}, {0.5, 0.0}, {1.0, 1.0});
+}
+
+// Sweeps per pass over memory, and next to other ranks per exchange: deeper steps there exchange for every sweep.
+TEST_P(SbdfMpi, BitsDoNotDependOnTheDepth) {
+  const Setting& setting = GetParam();
+  const Communicator world(MPI_COMM_WORLD);
+  const Communicator self(MPI_COMM_SELF);
+  const auto value = [](double t, double x, double y) { return 0.3 + 0.1 * std::cos(9.0 * t) + 0.1 * x * y; };
+  const std::array<std::array<BoundarySide, 2>, 2> sides{both_sides(setting.x, Bz::n_species, value, true),
+                                                         both_sides(setting.y, Bz::n_species, value, true)};
+  const std::vector<double> diffusion{200.0, 200.0, 120.0};
+  const std::vector<double> amplitude{5.0, 0.5, 0.2};
+  const DiffusionProblem alone(self, setting.grid, sides, diffusion, setting.order);
+  const Outcome expected = run<Bz>(alone, 1e-2, amplitude, sbdf_max_sweeps, 1, 80);
+  if (setting.grid.dimension == 2) {
+    EXPECT_GT(expected.work.sweeps, 2 * static_cast<std::int64_t>(expected.dt.size())) << "steps of many sweeps are tested";
+  }
+  const std::array<int, 2> layout = layouts(world.size(), setting.grid)[layouts(world.size(), setting.grid).size() / 2];
+  const DiffusionProblem shared(world, setting.grid, sides, diffusion, setting.order, layout);
+  for (int depth = 1; depth <= 16; ++depth) {
+    const Outcome got = run<Bz>(shared, 1e-2, amplitude, sbdf_max_sweeps, depth, 80);
+    EXPECT_EQ(got.error, expected.error) << "depth " << depth;
+    const Decomposition& d = shared.decomposition;
+    int different = 0;
+    for (int s = 0; s < Bz::n_species; ++s) {
+      for (int j = 0; j < got.u.n_y(); ++j) {
+        for (int i = 0; i < got.u.n_x(); ++i) {
+          if (got.u.at(s, i, j) != expected.u.at(s, static_cast<int>(d.offset_x()) + i, static_cast<int>(d.offset_y()) + j)) ++different;
+        }
+      }
+    }
+    EXPECT_EQ(different, 0) << "depth " << depth;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(

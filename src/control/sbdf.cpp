@@ -91,7 +91,7 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
       right_side_(shape.similar()),
       work_(shape.similar()),
       agreement_(3, 2 * shape.n_species() + 1) {
-  if (SbdfWavefront::serves(shape.decomposition(), diffusion_->boundary()))
+  if (SbdfWavefront::serves(shape.decomposition()))
     wavefront_.emplace(shape, *diffusion_, *kernel_, options_.max_sweeps, options_.wavefront_depth, options_.wavefront_steps);
   const double rho = diffusion_->spectral_radius();
   economic_steps_.fill(std::numeric_limits<double>::infinity());

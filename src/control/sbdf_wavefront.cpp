@@ -10,10 +10,6 @@
 namespace stiffront {
 namespace {
 
-/// What the rows of a wavefront may take of a processor's caches, in bytes: some of the last level too, since a pass more
-/// over memory costs more.
-constexpr std::ptrdiff_t cache_share = 2048 * 1024;
-
 /// A history of more than this is not in cache from one step to the next, and several steps at a time gain.
 constexpr std::ptrdiff_t last_level = 16 * 1024 * 1024;
 
@@ -30,10 +26,7 @@ constexpr int whole_packs(int points) { return (points + pack_size - 1) / pack_s
 
 }  // namespace
 
-bool SbdfWavefront::serves(const Decomposition& d, const Boundary& boundary) {
-  if (boundary.has_dirichlet()) return false;
-  return !d.grid().periodic[0] || (d.grid().dimension == 2 && d.processes()[0] == 1);
-}
+bool SbdfWavefront::serves(const Decomposition& d) { return !d.grid().periodic[0] || d.processes()[0] == 1; }
 
 SbdfWavefront::Rings::Rings(const Field& shape, int rows, int width, int sweeps)
     : predictor(shape, window(rows, width, sweeps)), right_side(shape, window(rows, width, sweeps)) {
@@ -49,7 +42,8 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
       n_x_(shape.n_x()),
       n_y_(shape.n_y()),
       width_(diffusion.halo_width()),
-      periodic_x_(decomposition_->grid().periodic[0]),
+      free_(diffusion.boundary().free_box(*decomposition_)),
+      row_halo_(*decomposition_, diffusion.boundary(), diffusion.halo_width()),
       periodic_y_(decomposition_->grid().periodic[1]),
       depth_(max_sweeps),
       together_(together) {
@@ -89,7 +83,7 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
   row_bytes_ = static_cast<std::ptrdiff_t>(longest + padding) * n_species_ * static_cast<std::ptrdiff_t>(sizeof(double));
   rows_ = std::clamp(piece_of_rows / longest, 1, 16);
   // A sweep adds its own window of rows and keeps those of predictor and right side alive longer.
-  const std::ptrdiff_t fits = (cache_share / row_bytes_ - 2 * rows_) / (rows_ + 5 * width_);
+  const std::ptrdiff_t fits = (wavefront_cache_share / row_bytes_ - 2 * rows_) / (rows_ + 5 * width_);
   const int wanted = depth > 0 ? depth : static_cast<int>(std::clamp<std::ptrdiff_t>(fits, 1, max_sweeps));
   depth_ = has_neighbours_ ? std::min(depth_, wanted) : wanted;
   // A periodic direction is unrolled once at most; a divided one has let pass no more than its thinnest part above.
@@ -110,12 +104,14 @@ int SbdfWavefront::steps_together(int sweeps) const {
 }
 
 void SbdfWavefront::run(std::span<const Step> steps, Field& predictor, Field& right_side, Field& work, const Finished& finished) {
-  if (decomposition_->grid().dimension == 1) {
-    has_neighbours_ ? line_next_to_others(steps[0], predictor, right_side, finished)
-                    : line(steps[0], predictor, right_side, work, finished);
-    return;
+  if (diffusion_->boundary().has_dirichlet()) {
+    for (const Step& step : steps) diffusion_->boundary().impose(*step.u_new, step.t);
   }
   if (has_neighbours_) exchange(steps[0], predictor, right_side);
+  if (decomposition_->grid().dimension == 1) {
+    line(steps[0], predictor, right_side, work, finished);
+    return;
+  }
   std::array<Leg, max_steps> legs;
   const auto sweeps = static_cast<int>(steps[0].shifts.size());
   const int passes = (sweeps + depth_ - 1) / depth_;
@@ -145,20 +141,38 @@ void SbdfWavefront::run(std::span<const Step> steps, Field& predictor, Field& ri
   }
 }
 
-void SbdfWavefront::fill_row_ends(const Rows& rows, int j) const {
-  for (int s = 0; s < n_species_; ++s) {
-    double* const row = rows.row(s, j);
-    for (int k = 1; k <= width_; ++k) {
-      if (!left_) row[-k] = periodic_x_ ? row[n_x_ - k] : row[k];
-      if (!right_) row[n_x_ - 1 + k] = periodic_x_ ? row[k - 1] : row[n_x_ - 1 - k];
+/// The points of Dirichlet sides that come into reach with a box, from where they have their values.
+void SbdfWavefront::copy_fixed(const ConstRows& from, const Rows& to, const FreeBox& box) const {
+  const auto is_fixed = [&](int direction, int which) {
+    return decomposition_->at_boundary(direction, which) && diffusion_->boundary().side(direction, which).kind == BoundaryKind::dirichlet;
+  };
+  for (int which = 0; which < 2; ++which) {
+    const int row = which == 0 ? 0 : n_y_ - 1;
+    const bool is_near = box.j_begin - 1 <= row && row < box.j_end + width_;
+    const int column = which == 0 ? 0 : n_x_ - 1;
+    for (int s = 0; s < n_species_; ++s) {
+      if (decomposition_->grid().dimension == 2 && is_fixed(1, which) && is_near) {
+        std::copy(from.row(s, row) + box.i_begin, from.row(s, row) + box.i_end, to.row(s, row) + box.i_begin);
+      }
+      if (!is_fixed(0, which)) continue;
+      for (int j = box.j_begin; j < box.j_end; ++j) {
+        // Along a periodic direction of a single rank the rows go on as those of its other end.
+        const int there = has_neighbours_ ? j : (j % n_y_ + n_y_) % n_y_;
+        to.row(s, j)[column] = from.row(s, there)[column];
+      }
     }
   }
 }
 
-void SbdfWavefront::mirror_row(const Rows& rows, int from, int to) const {
+/// What a sweep over a box reads at the sides of the domain.
+void SbdfWavefront::complete(const Step& step, const Field& predictor, const Rows& v, const FreeBox& box) const {
+  // Dirichlet points beyond the box of the rank came with the predictor.
+  if (diffusion_->boundary().has_dirichlet()) {
+    copy_fixed(rows_of(has_neighbours_ ? predictor : std::as_const(*step.u_new)), v, box);
+  }
   for (int s = 0; s < n_species_; ++s) {
-    const int beyond = std::max(width_, reach_);
-    std::memcpy(rows.row(s, to) - beyond, rows.row(s, from) - beyond, static_cast<std::size_t>(n_x_ + 2 * beyond) * sizeof(double));
+    row_halo_.fill_ends(v, s, box);
+    if (!is_unrolled()) row_halo_.fill_rows(v, s, box);
   }
 }
 
@@ -185,10 +199,12 @@ void SbdfWavefront::exchange(const Step& step, Field& predictor, Field& right_si
     if (strip.i_begin >= strip.i_end || strip.j_begin >= strip.j_end) continue;
     make_predictor(step, rows_of(predictor), rows_of(right_side), strip);
   }
+  diffusion_->boundary().impose(predictor, step.t);
   const std::array<Field*, 2> fields{&predictor, &right_side};
   fitting.halos->begin(fields);
-  if (decomposition_->grid().dimension == 1 && before < after) {
-    make_predictor(step, rows_of(predictor), rows_of(right_side), {before, after, 0, 1});
+  const FreeBox rest{std::max(before, free_.i_begin), std::min(after, free_.i_end), 0, 1};
+  if (decomposition_->grid().dimension == 1 && rest.i_begin < rest.i_end) {
+    make_predictor(step, rows_of(predictor), rows_of(right_side), rest);
   }
   fitting.halos->finish();
 }
@@ -244,136 +260,125 @@ void SbdfWavefront::begin_rows(const Step& step, const Leg& leg, Rings& rings, c
 
 void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Field& predictor,
                                    const Field& right_side, const Finished& finished) {
+  // Pass 0 of a leg makes what its sweeps start from.
+  passes_.clear();
+  places_.clear();
   int all_sweeps = 0;
   for (const Leg& leg : legs) all_sweeps += leg.last - leg.first;
-  // One leg alone goes beyond the box as far as the sweeps to come look: into the halos next to other ranks, and on a single rank
-  // along an unrolled periodic direction.
-  const bool unrolled = periodic_y_ && !lower_ && !upper_;
-  const auto below = [&](int k) { return beyond(lower_ || unrolled, all_sweeps, k); };
-  const auto above = [&](int k) { return beyond(upper_ || unrolled, all_sweeps, k); };
+  int behind = 0;  // sweeps of the legs before
+  for (std::size_t l = 0; l < legs.size(); ++l) {
+    const int sweeps = legs[l].last - legs[l].first;
+    for (int k = 0; k <= sweeps; ++k) {
+      // One leg alone goes beyond the box as far as the sweeps to come look: into the halos next to other ranks, and on a single rank
+      // along an unrolled periodic direction.
+      const FreeBox box = box_of(all_sweeps, k);
+      passes_.push_back({(behind + k) * width_, box.j_begin, box.j_end});
+      places_.push_back({l, k});
+    }
+    behind += sweeps;
+  }
 
-  for (int front = -below(0); front < n_y_ + all_sweeps * width_; front += rows_) {
-    int behind = 0;  // sweeps of the legs before
-    for (std::size_t l = 0; l < legs.size(); ++l) {
-      const Leg& leg = legs[l];
-      const Step& step = steps[leg.step];
-      Rings& rings = rings_[l];
-      const int sweeps = leg.last - leg.first;
-      const int alive = window(rows_, width_, sweeps);
-      const Rows start = rings.predictor.rows(alive);
-      const auto state = [&](int k) {
-        if (k == 0) return start;
-        return k == sweeps ? rows_of(*leg.to) : rings.stages[static_cast<std::size_t>(k - 1)].rows(rows_ + 3 * width_);
-      };
+  wavefront(passes_, rows_, [&](std::size_t p, int begin, int end) {
+    const auto [l, k] = places_[p];
+    const Leg& leg = legs[l];
+    const Step& step = steps[leg.step];
+    Rings& rings = rings_[l];
+    const int sweeps = leg.last - leg.first;
+    const int alive = window(rows_, width_, sweeps);
+    const Rows start = rings.predictor.rows(alive);
+    const auto state = [&](int which) {
+      if (which == 0) return start;
+      return which == sweeps ? rows_of(*leg.to) : rings.stages[static_cast<std::size_t>(which - 1)].rows(rows_ + 3 * width_);
+    };
+    FreeBox box = box_of(all_sweeps, k);
+    box.j_begin = begin;
+    box.j_end = end;
+    if (k == 0) {
+      // Rows before, in and after the box of the rank.
+      const int cuts[] = {begin, std::clamp(0, begin, end), std::clamp(n_y_, begin, end), end};
+      for (int part = 0; part < 3; ++part) {
+        const FreeBox there{box.i_begin, box.i_end, cuts[part], cuts[part + 1]};
+        if (cuts[part] < cuts[part + 1]) begin_rows(step, leg, rings, there, (1 - part) * n_y_, predictor, right_side);
+      }
+    } else {
+      const Rows before = state(k - 1);
+      complete(step, predictor, before, box);
       SbdfSweep sweep;
       sweep.t = step.t;
       sweep.gamma = step.gamma;
+      sweep.shift = step.shifts[static_cast<std::size_t>(leg.first + k - 1)];
       sweep.decomposition = decomposition_;
+      sweep.v = before;
       sweep.r = rings.right_side.rows(alive);
-      for (int k = 0; k <= sweeps; ++k) {
-        const int at = front - (behind + k) * width_;
-        const FreeBox box{-whole_packs(beyond(left_, all_sweeps, k)), n_x_ + beyond(right_, all_sweeps, k), std::max(at, -below(k)),
-                          std::min(at + rows_, n_y_ + above(k))};
-        if (box.j_begin >= box.j_end) continue;
-        const Rows rows = state(k);
-        if (k == 0) {
-          // Rows before, in and after the box of the rank.
-          const int cuts[] = {box.j_begin, std::clamp(0, box.j_begin, box.j_end), std::clamp(n_y_, box.j_begin, box.j_end),
-                              box.j_end};
-          for (int part = 0; part < 3; ++part) {
-            const FreeBox there{box.i_begin, box.i_end, cuts[part], cuts[part + 1]};
-            if (cuts[part] < cuts[part + 1]) begin_rows(step, leg, rings, there, (1 - part) * n_y_, predictor, right_side);
-          }
-        } else {
-          const Rows before = state(k - 1);
-          if (!unrolled && !lower_ && box.j_begin == 0) {
-            for (int g = 1; g <= width_; ++g) mirror_row(before, g, -g);
-          }
-          sweep.shift = step.shifts[static_cast<std::size_t>(leg.first + k - 1)];
-          sweep.v = before;
-          sweep.out = rows;
-          kernel_->sweep(*diffusion_, sweep, box);
-        }
-        if (k == sweeps) {
-          if (!leg.finishes) continue;
-          if (leg.predictor != nullptr) {
-            finished(leg.step, box, {rows_of(std::as_const(*leg.predictor)), {}, {}}, false);
-          } else {
-            finished(leg.step, box, {start, tests_[0].rows(alive), tests_[1].rows(alive)}, step.tests_order);
-          }
-          continue;
-        }
-        for (int j = box.j_begin; j < box.j_end; ++j) fill_row_ends(rows, j);
-        if (!unrolled && !upper_ && box.j_end == n_y_) {
-          for (int g = 1; g <= width_; ++g) mirror_row(rows, n_y_ - 1 - g, n_y_ - 1 + g);
-        }
-      }
-      behind += sweeps;
+      sweep.out = state(k);
+      kernel_->sweep(*diffusion_, sweep, box);
     }
-  }
+    if (k < sweeps || !leg.finishes) return;
+    if (leg.predictor != nullptr) {
+      finished(leg.step, box, {rows_of(std::as_const(*leg.predictor)), {}, {}}, false);
+    } else {
+      finished(leg.step, box, {start, tests_[0].rows(alive), tests_[1].rows(alive)}, step.tests_order);
+    }
+  });
+}
+
+FreeBox SbdfWavefront::box_of(int sweeps, int k) const {
+  // What the first sweep starts from is made at all points, the others at those that evolve.
+  const FreeBox own = k == 0 ? FreeBox{0, n_x_, 0, n_y_} : free_;
+  const int further = (sweeps - k) * width_;
+  FreeBox box = own;
+  if (left_) box.i_begin = -whole_packs(further);
+  if (right_) box.i_end = n_x_ + further;
+  if (lower_ || is_unrolled()) box.j_begin = -further;
+  if (upper_ || is_unrolled()) box.j_end = n_y_ + further;
+  return box;
 }
 
 void SbdfWavefront::line(const Step& step, Field& predictor, Field& right_side, Field& work, const Finished& finished) {
   const auto sweeps = static_cast<int>(step.shifts.size());
-  SbdfSweep sweep;
-  sweep.t = step.t;
-  sweep.gamma = step.gamma;
-  sweep.decomposition = decomposition_;
-  sweep.r = rows_of(right_side);
+  const Boundary& boundary = diffusion_->boundary();
+  if (boundary.has_dirichlet()) {
+    boundary.impose(predictor, step.t);
+    for (Field& u : line_states_) boundary.impose(u, step.t);
+    boundary.impose(work, step.t);
+  }
   const auto state = [&](int k) -> Field& {
     if (k == 0) return predictor;
+    if (k == sweeps) return *step.u_new;
+    if (has_neighbours_) return line_states_[static_cast<std::size_t>(k % 2)];
     return (sweeps - k) % 2 == 0 ? *step.u_new : work;
   };
-  const auto fill_end = [&](Field& u, int end, int inwards) {
-    for (int s : diffusion_->diffusing_species()) {
-      double* const row = u.row(s, 0);
-      for (int k = 1; k <= width_; ++k) row[end - k * inwards] = row[end + k * inwards];
+  // Every sweep stays a pack behind the one before: further than the stencil reaches, and aligned.
+  const bool around = row_halo_.wraps(0);
+  passes_.clear();
+  for (int k = 0; k <= sweeps; ++k) {
+    FreeBox box = k == 0 ? free_ : box_of(sweeps, k);
+    if (k == 0 && has_neighbours_) box.i_end = box.i_begin;  // made by the exchange
+    const int from = around ? k * pack_size : box.i_begin;
+    passes_.push_back({k * pack_size, from, from + box.i_end - box.i_begin});
+  }
+  const auto on_points = [&](std::size_t p, int begin, int end) {
+    const auto k = static_cast<int>(p);
+    const FreeBox box{begin, end, 0, 1};
+    Field& u = state(k);
+    if (k == 0) {
+      make_predictor(step, rows_of(u), rows_of(right_side), box);
+    } else {
+      const Rows before = rows_of(state(k - 1));
+      for (int s = 0; s < n_species_; ++s) row_halo_.fill_ends(before, s, box);
+      SbdfSweep sweep;
+      sweep.t = step.t;
+      sweep.gamma = step.gamma;
+      sweep.shift = step.shifts[static_cast<std::size_t>(k - 1)];
+      sweep.decomposition = decomposition_;
+      sweep.v = before;
+      sweep.r = rows_of(std::as_const(right_side));
+      sweep.out = rows_of(u);
+      kernel_->sweep(*diffusion_, sweep, box);
     }
+    if (k == sweeps) finished(0, box, {rows_of(std::as_const(predictor)), {}, {}}, false);
   };
-  for (int begin = 0; begin < n_x_; begin += piece) {
-    const bool last = begin + piece >= n_x_;
-    for (int k = 0; k <= sweeps; ++k) {
-      // Every sweep stays a pack behind the one before: further than the stencil reaches, and aligned.
-      FreeBox box{std::max(0, begin - k * pack_size), last ? n_x_ : std::max(0, begin + piece - k * pack_size), 0, 1};
-      if (box.i_begin == box.i_end) break;
-      Field& u = state(k);
-      if (k == 0) {
-        make_predictor(step, rows_of(u), rows_of(right_side), box);
-      } else {
-        sweep.shift = step.shifts[static_cast<std::size_t>(k - 1)];
-        sweep.v = rows_of(state(k - 1));
-        sweep.out = rows_of(u);
-        kernel_->sweep(*diffusion_, sweep, box);
-      }
-      if (k == sweeps) {
-        finished(0, box, {rows_of(std::as_const(predictor)), {}, {}}, false);
-        break;
-      }
-      if (box.i_begin == 0) fill_end(u, 0, 1);
-      if (last) fill_end(u, n_x_ - 1, -1);
-    }
-  }
-}
-
-void SbdfWavefront::line_next_to_others(const Step& step, Field& predictor, Field& right_side, const Finished& finished) {
-  const auto sweeps = static_cast<int>(step.shifts.size());
-  exchange(step, predictor, right_side);
-  SbdfSweep sweep;
-  sweep.t = step.t;
-  sweep.gamma = step.gamma;
-  sweep.decomposition = decomposition_;
-  sweep.r = rows_of(std::as_const(right_side));
-  Field* from = &predictor;
-  for (int k = 1; k <= sweeps; ++k) {
-    fill_row_ends(rows_of(*from), 0);
-    Field* const to = k == sweeps ? step.u_new : &line_states_[static_cast<std::size_t>(k % 2)];
-    sweep.shift = step.shifts[static_cast<std::size_t>(k - 1)];
-    sweep.v = rows_of(std::as_const(*from));
-    sweep.out = rows_of(*to);
-    kernel_->sweep(*diffusion_, sweep, {-whole_packs(beyond(left_, sweeps, k)), n_x_ + beyond(right_, sweeps, k), 0, 1});
-    from = to;
-  }
-  finished(0, {0, n_x_, 0, 1}, {rows_of(std::as_const(predictor)), {}, {}}, false);
+  around ? wavefront_around(passes_, n_x_, piece, on_points) : wavefront(passes_, piece, on_points);
 }
 
 }  // namespace stiffront

@@ -11,25 +11,24 @@ RowHalo::RowHalo(const Decomposition& d, const Boundary& boundary, int width)
   for (int direction = 0; direction < d.grid().dimension; ++direction) {
     const auto k = static_cast<std::size_t>(direction);
     for (std::size_t which = 0; which < 2; ++which) {
-      const bool at_side = d.at_boundary(direction, static_cast<int>(which));
-      if (at_side) {
+      const int dx = direction == 0 ? (which == 0 ? -1 : 1) : 0;
+      const int dy = direction == 1 ? (which == 0 ? -1 : 1) : 0;
+      if (d.at_boundary(direction, static_cast<int>(which))) {
         sides_[k][which] =
             boundary.side(direction, static_cast<int>(which)).kind == BoundaryKind::dirichlet ? Side::extrapolated : Side::mirrored;
       } else {
-        // Among several ranks a whole periodic direction is exchanged like a divided one.
-        sides_[k][which] = d.comm().size() == 1 ? Side::wrapped : Side::others;
+        sides_[k][which] = d.neighbour(dx, dy) == d.comm().rank() ? Side::wrapped : Side::others;
       }
     }
   }
 }
 
-void RowHalo::fill(const Rows& u, int s, const FreeBox& box) const {
+void RowHalo::fill_ends(const Rows& u, int s, const FreeBox& box) const {
   const int w = width_;
   const int n_x = decomposition_->n_x();
-  const auto kind_of = [](Side side) { return side == Side::mirrored ? BoundaryKind::neumann : BoundaryKind::dirichlet; };
-  const auto ends = [&](std::size_t which) {
+  for (std::size_t which = 0; which < 2; ++which) {
     const Side side = sides_[0][which];
-    if (side == Side::others || (which == 0 ? box.i_begin >= w : box.i_end <= n_x - w)) return;
+    if (side == Side::others || (which == 0 ? box.i_begin >= w : box.i_end <= n_x - w)) continue;
     for (int j = box.j_begin; j < box.j_end; ++j) {
       double* const row = u.row(s, j);
       if (side == Side::wrapped) {
@@ -38,10 +37,12 @@ void RowHalo::fill(const Rows& u, int s, const FreeBox& box) const {
         continue_line(which == 0 ? row : row + n_x - 1, which == 0 ? 1 : -1, w, kind_of(side));
       }
     }
-  };
-  ends(0);
-  ends(1);
+  }
+}
+
+void RowHalo::fill_rows(const Rows& u, int s, const FreeBox& box) const {
   if (!in_plane_) return;
+  const int w = width_;
   const int n_y = decomposition_->n_y();
   for (std::size_t which = 0; which < 2; ++which) {
     const Side side = sides_[1][which];

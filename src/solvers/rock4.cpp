@@ -184,12 +184,15 @@ Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffus
 FreeBox Rock4::extended(int by) const {
   FreeBox box = free_;
   const Decomposition& d = *decomposition_;
-  if (alone_) return box;
-  if (d.neighbour(-1, 0) != MPI_PROC_NULL) box.i_begin -= by;
-  if (d.neighbour(1, 0) != MPI_PROC_NULL) box.i_end += by;
+  const auto is_other = [&](int dx, int dy) {
+    const int rank = d.neighbour(dx, dy);
+    return rank != MPI_PROC_NULL && rank != d.comm().rank();
+  };
+  if (is_other(-1, 0)) box.i_begin -= by;
+  if (is_other(1, 0)) box.i_end += by;
   if (d.grid().dimension == 1) return box;
-  if (d.neighbour(0, -1) != MPI_PROC_NULL) box.j_begin -= by;
-  if (d.neighbour(0, 1) != MPI_PROC_NULL) box.j_end += by;
+  if (is_other(0, -1)) box.j_begin -= by;
+  if (is_other(0, 1)) box.j_end += by;
   return box;
 }
 

@@ -3,11 +3,14 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "stiffront/control/bdf_history.hpp"
 #include "stiffront/mesh/halo_exchange.hpp"
+#include "stiffront/mesh/row_halo.hpp"
 #include "stiffront/mesh/row_ring.hpp"
+#include "stiffront/mesh/wavefront.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
 #include "stiffront/space/diffusion_operator.hpp"
 
@@ -47,9 +50,9 @@ class SbdfWavefront {
   /// @param tested whether those of other orders are among them
   using Finished = std::function<void(std::size_t step, const FreeBox& box, const BdfPredictors& predictors, bool tested)>;
 
-  /// Whether boxes of this kind can be stepped so: those without Dirichlet sides and not periodic in x, unless x is not divided and
-  /// there are two dimensions.
-  static bool serves(const Decomposition& decomposition, const Boundary& boundary);
+  /// Whether boxes of this kind can be stepped so: all but those of a periodic direction x that is divided, where rates beyond the box
+  /// would have to know that they are at the other end of the domain.
+  static bool serves(const Decomposition& decomposition);
 
   /// @param max_sweeps the most sweeps of a step
   /// @param depth sweeps per pass over memory; 0: as many as the cache holds
@@ -96,14 +99,15 @@ class SbdfWavefront {
   /// Rows of predictor and right side alive at a time: the last sweep reads them `sweeps` stencils behind the front, the first one two
   /// stencils, and at a side a stencil lies before it.
   static int window(int rows, int width, int sweeps) { return rows + (sweeps + 2) * width; }
-  /// Points beyond the box that state k of a pass of so many sweeps has, on the side of another rank.
-  int beyond(bool neighbour, int sweeps, int k) const { return neighbour ? (sweeps - k) * width_ : 0; }
+  /// Where state k of a pass of so many sweeps is made.
+  FreeBox box_of(int sweeps, int k) const;
+  /// Whether rows beyond the box are made, where they would be those of its other end.
+  bool is_unrolled() const { return periodic_y_ && !lower_ && !upper_; }
   void exchange(const Step& step, Field& predictor, Field& right_side);
-  void line_next_to_others(const Step& step, Field& predictor, Field& right_side, const Finished& finished);
   void begin_rows(const Step& step, const Leg& leg, Rings& rings, const FreeBox& box, int shift, const Field& predictor,
                   const Field& right_side);
-  void fill_row_ends(const Rows& rows, int j) const;
-  void mirror_row(const Rows& rows, int from, int to) const;
+  void copy_fixed(const ConstRows& from, const Rows& to, const FreeBox& box) const;
+  void complete(const Step& step, const Field& predictor, const Rows& v, const FreeBox& box) const;
 
   const Decomposition* decomposition_;
   const DiffusionOperator* diffusion_;
@@ -111,11 +115,15 @@ class SbdfWavefront {
   int n_species_;
   int n_x_, n_y_;
   int width_;
-  bool periodic_x_, periodic_y_;
+  FreeBox free_;
+  RowHalo row_halo_;
+  bool periodic_y_;
   std::ptrdiff_t row_bytes_ = 0;  ///< of the longest row of any rank, all species
   int rows_ = 1;               ///< taken through all sweeps at a time
   int depth_;
   int together_;
+  std::vector<WavefrontPass> passes_;  ///< of the pass over memory under way
+  std::vector<std::pair<std::size_t, int>> places_;  ///< of each: the leg, and the state it makes
   std::vector<Rings> rings_;        ///< by leg; none in one dimension
   std::vector<RowRing> tests_;      ///< predictors of lower and upper order
 

@@ -15,8 +15,14 @@ class RowHalo {
   /// @pre decomposition and boundary outlive the object; no sub-cells
   RowHalo(const Decomposition& decomposition, const Boundary& boundary, int width);
 
-  /// Before a stencil is applied to u at the points of the box: the ends of its rows, and rows beyond the rank's box as far as they are read.
-  void fill(const Rows& u, int species, const FreeBox& box) const;
+  /// Before a stencil is applied to u at the points of the box: what it reads beyond the ends of the rows.
+  void fill_ends(const Rows& u, int species, const FreeBox& box) const;
+  /// And beyond the first and last row of the rank's box.
+  void fill_rows(const Rows& u, int species, const FreeBox& box) const;
+  void fill(const Rows& u, int species, const FreeBox& box) const {
+    fill_ends(u, species, box);
+    fill_rows(u, species, box);
+  }
   /// Before that where there are Dirichlet sides: the points of theirs that come into reach with the box take their values at time t.
   void impose(const Rows& u, int species, const FreeBox& box, double t) const;
 
@@ -25,6 +31,7 @@ class RowHalo {
 
  private:
   enum class Side { others, wrapped, mirrored, extrapolated };
+  static BoundaryKind kind_of(Side side) { return side == Side::mirrored ? BoundaryKind::neumann : BoundaryKind::dirichlet; }
 
   const Decomposition* decomposition_;
   const Boundary* boundary_;

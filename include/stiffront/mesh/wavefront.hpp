@@ -5,6 +5,8 @@
 #include <limits>
 #include <span>
 
+#include "stiffront/core/simd.hpp"
+
 namespace stiffront {
 
 /// What the rows under way may take of a processor's caches, in bytes: some of the last level too, since one more pass over memory costs more.
@@ -36,9 +38,9 @@ void wavefront(std::span<const WavefrontPass> passes, int rows, On&& on) {
     first = std::min(first, pass.begin + pass.behind);
     last = std::max(last, pass.end + pass.behind);
   }
-  // From a multiple of `rows`, so that packs along a line stay aligned.
-  const int before = first % rows;
-  for (int front = first - (before < 0 ? before + rows : before); front < last; front += rows) {
+  // From a whole number of packs, so that those along a line stay aligned.
+  const int start = first & -pack_size;
+  for (int front = start; front < last; front += rows) {
     for (std::size_t p = 0; p < passes.size(); ++p) {
       const int begin = std::max(front - passes[p].behind, passes[p].begin);
       const int end = std::min(front - passes[p].behind + rows, passes[p].end);
