@@ -8,7 +8,7 @@
 #   delays      MPI tests on three ranks with random delays before the calls, twenty seeds
 #   fuzz        twenty times the mutations of the tests, under the sanitizers; then, where clang is, a minute of libFuzzer on each
 #               of tests/fuzz, begun from the built-in cases, tests/corpus and what a run leaves behind
-#   bits        the same bits on 1 to 8 ranks, all methods, layouts, depths of halos, with and without balance
+#   bits        the same bits on 1 to 9 ranks, all methods, layouts, depths of halos, with and without balance
 #   kills       fifty random kills with each of sbdf, adaptive-strang, dcs and sdc, and with sbdf in two dimensions
 #
 # Without arguments all of them. The status is the number of parts that failed; each part says how it went.
