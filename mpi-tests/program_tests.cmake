@@ -73,6 +73,9 @@ same_bits_test(sdc-2d-adaptive brusselator-2d "${boxes}" "grid.points=[67, 61]" 
 restart_test(sdc-2d brusselator-2d 3 "grid.points=[35, 41]" method.name=sdc method.tolerance=1e-5 time.end=0.2)
 same_bits_test(sdc-strang bz-1d "${lines}" method.name=sdc method.splitting=strang method.tolerance=1e-4 time.end=2e-3)
 restart_test(sdc-strang bz-1d 5 method.name=sdc method.splitting=strang method.tolerance=1e-4 time.end=2e-3)
+same_bits_test(sdc-diagonal bz-1d "${lines}" method.name=sdc method.splitting=diagonal method.tolerance=1e-9 time.end=5e-3)
+same_bits_test(sdc-diagonal-2d bz-2d-spiral "${boxes}" "grid.points=[67, 61]" method.name=sdc method.splitting=diagonal method.step=1e-3 time.end=0.01)
+restart_test(sdc-diagonal bz-1d 11 method.name=sdc method.splitting=diagonal method.tolerance=1e-9 time.end=5e-3)
 # Models with first derivatives.
 same_bits_test(sdc-chemotaxis angiogenesis-chemotaxis-1d "${lines}" "grid.points=[101]" method.step=0.01 time.end=0.05)
 same_bits_test(cvode-chemotaxis angiogenesis-chemotaxis-1d "${lines}" "grid.points=[101]" "method={name=\"cvode\"}" time.end=0.05)

@@ -13,6 +13,7 @@
 #include "custom_model_of.hpp"
 #include "schema.hpp"
 #include "sdc_defaults.hpp"
+#include "stiffront/solvers/node_sweep.hpp"
 #include "stiffront/app/methods.hpp"
 #include "stiffront/control/adaptive_strang.hpp"
 #include "stiffront/core/entry_error.hpp"
@@ -488,6 +489,7 @@ class Completion {
         fail("method.implicit_solver", "goes with splitting = \"preconditioned\" or \"imex\" only");
       }
     }
+    if (o.splitting == SdcSplitting::diagonal) diagonal_splitting(o);
     complete_sdc(o, c_.space.order);
     if (o.final_update == SdcFinalUpdate::last_node && o.nodes == NodeFamily::gauss_legendre) {
       expected("method.final_update", "\"auto\", \"quadrature\" or \"extrapolation\" with Legendre nodes, whose last one is not the end of the step");
@@ -502,6 +504,29 @@ class Completion {
     }
     if (o.implicit_solver == SdcSolver::multigrid && c_.grid.points.size() == 1) {
       expected("method.implicit_solver", "\"auto\", \"block-tridiagonal\" or \"cell-local\" in one dimension");
+    }
+  }
+
+  void diagonal_splitting(const SdcOptions& o) const {
+    if (has_transport()) {
+      fail("method.splitting", fmt::format("expected \"preconditioned\" or \"imex\": the model {} has first derivatives", c_.model.name));
+    }
+    if (c_.space.order == 8) expected("space.order", "2 or 4 with splitting = \"diagonal\"");
+    if (o.nodes != NodeFamily::gauss_radau) expected("method.nodes", "\"gauss-radau\" with splitting = \"diagonal\"");
+    if (o.node_count > max_parallel_nodes) {
+      expected("method.node_count", fmt::format("an integer up to {} with splitting = \"diagonal\"", max_parallel_nodes));
+    }
+    if (!o.consistent) fail("method.consistent", "does not go with splitting = \"diagonal\", whose sweeps have no explicit part");
+    if (o.acceleration) fail("method.acceleration", "does not go with splitting = \"diagonal\"");
+    if (o.correction != SdcCorrection::standard) expected("method.correction", "\"standard\" with splitting = \"diagonal\"");
+    if (o.final_update != SdcFinalUpdate::automatic && o.final_update != SdcFinalUpdate::last_node) {
+      expected("method.final_update", "\"auto\" or \"last-node\" with splitting = \"diagonal\"");
+    }
+    if (o.implicit_solver != SdcSolver::automatic && o.implicit_solver != SdcSolver::cell_local) {
+      expected("method.implicit_solver", "\"auto\" or \"cell-local\" with splitting = \"diagonal\"");
+    }
+    if (o.tolerance && o.corrections && *o.corrections < 1) {
+      expected("method.corrections", "1 at least with splitting = \"diagonal\" and tolerance");
     }
   }
 

@@ -25,7 +25,7 @@ inline constexpr std::array choice_words<StepExponent>{"observed", "published"};
 template <>
 inline constexpr std::array choice_words<NodeFamily>{"gauss-legendre", "gauss-lobatto", "gauss-radau"};
 template <>
-inline constexpr std::array choice_words<SdcSplitting>{"preconditioned", "imex", "lie", "strang"};
+inline constexpr std::array choice_words<SdcSplitting>{"preconditioned", "imex", "lie", "strang", "diagonal"};
 template <>
 inline constexpr std::array choice_words<SdcImplicit>{"diffusion", "reaction"};
 template <>

@@ -278,6 +278,7 @@ double estimated_memory_mib(const Case& c) {
     double operator()(const AdaptiveStrangOptions&) const { return 17.5; }
     double operator()(const DcsOptions& o) const { return 8.0 + 4.0 * o.stages; }
     double operator()(const SdcOptions& o) const {
+      if (o.splitting == SdcSplitting::diagonal) return 10.0 + 2.0 * o.node_count;
       const bool multigrid = in_plane && o.implicit_solver != SdcSolver::cell_local;
       return 11.0 + 4.0 * o.node_count + (multigrid ? 16.0 + 2.7 * species : 0.0);
     }

@@ -14,6 +14,7 @@
 #include "stiffront/control/deferred_correction.hpp"
 #include "stiffront/control/fixed_step.hpp"
 #include "stiffront/control/flow_propagator.hpp"
+#include "stiffront/control/parallel_deferred_correction.hpp"
 #include "stiffront/control/sbdf.hpp"
 #include "stiffront/control/sbdf_tables.hpp"
 #include "stiffront/control/spectral_deferred_correction.hpp"
@@ -169,6 +170,18 @@ void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
 void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem) {
   SdcOptions o = given;
   complete_sdc(o, c.space.order);
+  if (o.splitting == SdcSplitting::diagonal) {
+    ParallelDeferredCorrectionOptions p;
+    p.node_count = o.node_count;
+    p.fixed_step = o.step.value_or(0.0);
+    p.tolerance = o.tolerance.value_or(0.0);
+    p.starting_order = *o.starting_order;
+    p.corrections = *o.corrections;
+    p.shift = *o.gamma_diffusion;
+    p.initial_step = o.initial_step;
+    method_ = std::make_unique<ParallelDeferredCorrection>(problem.state, problem.rhs, *problem.model, p);
+    return;
+  }
   if (composes_flows(o)) {
     const double finest = o.tolerance ? 0.01 * *o.tolerance : no_bound;
     make_flows(c, problem, finest, finest);

@@ -326,7 +326,7 @@ std::vector<Key> sdc_keys() {
              "with tolerance: first trial step; 0 = chosen by the program"),
       with_default(integer("method.starting_order", from(1, 10), STIFFRONT_METHOD(Options, starting_order),
                            "order of the method that gives the provisional solution, up to node_count (Lobatto: below)"),
-                   "2; 1 for two nodes"),
+                   "2, with splitting = \"diagonal\" 3; below node_count"),
       with_default(integer("method.corrections", from(0, 40), STIFFRONT_METHOD(Options, corrections),
                            "correction sweeps in a step; with tolerance: the most"),
                    "order of the quadrature - starting_order"),
@@ -340,12 +340,13 @@ std::vector<Key> sdc_keys() {
               "sweeps are combined by nonlinear GMRES: fewer of them, and less loss of order where the problem is stiff"),
       with_default(number("method.gamma_diffusion", not_negative, STIFFRONT_METHOD(Options, gamma_diffusion),
                           "factor on the three-point Laplacian of the implicit part"),
-                   "1 for space.order = 2, otherwise 2"),
+                   "1 for space.order = 2, otherwise 2; with splitting = \"diagonal\" 0.25"),
       number("method.gamma_advection", not_negative, STIFFRONT_METHOD(Options, gamma_advection),
              "factor on the first derivatives of the implicit part, for models that have them"),
       choice("method.splitting", STIFFRONT_METHOD(Options, splitting),
              "\"preconditioned\": diffusion and the Jacobian of the reaction are implicit; \"imex\": one of them; \"lie\", \"strang\": "
-             "the flows of reaction and diffusion, to the tolerances of their solvers, are start and correction"),
+             "the flows of reaction and diffusion, to the tolerances of their solvers, are start and correction; \"diagonal\": the fast one, "
+             "all Radau nodes of a step in parallel, no cell coupled to another, for diffusion that is not very stiff"),
       choice("method.implicit", STIFFRONT_METHOD(Options, implicit), "with splitting = \"imex\": which one"),
       choice("method.implicit_solver", STIFFRONT_METHOD(Options, implicit_solver),
              "\"block-tridiagonal\": direct, 1-D; \"multigrid\": GMRES preconditioned by multigrid, 2-D; \"cell-local\": of the "

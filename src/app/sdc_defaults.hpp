@@ -14,8 +14,9 @@ inline bool composes_flows(const SdcOptions& o) { return o.splitting == SdcSplit
 inline void complete_sdc(SdcOptions& o, int space_order) {
   const int below_even = o.nodes == NodeFamily::gauss_legendre ? 0 : (o.nodes == NodeFamily::gauss_radau ? 1 : 2);
   if (!o.starting_order && composes_flows(o)) o.starting_order = o.splitting == SdcSplitting::lie ? 1 : 2;
-  if (!o.starting_order) o.starting_order = std::clamp(o.node_count - 1, 1, 2);
+  if (!o.starting_order) o.starting_order = std::clamp(o.node_count - 1, 1, o.splitting == SdcSplitting::diagonal ? 3 : 2);
   if (!o.corrections) o.corrections = std::max(0, 2 * o.node_count - below_even - *o.starting_order);
+  if (!o.gamma_diffusion && o.splitting == SdcSplitting::diagonal) o.gamma_diffusion = 0.25;
   if (!o.gamma_diffusion) o.gamma_diffusion = space_order == 2 ? 1.0 : 2.0;
 }
 

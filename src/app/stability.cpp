@@ -59,6 +59,9 @@ std::string measure_stability(const StabilityCommand& command, const std::vector
   if (o == nullptr) throw Error(ErrorKind::input, "method.name: domains of stability are measured for \"sdc\"");
   if (!o->step) throw Error(ErrorKind::input, "method.tolerance: the domain of stability is that of fixed steps; leave it out");
   if (o->acceleration) throw Error(ErrorKind::input, "method.acceleration: accelerated sweeps are not linear and have no amplification matrix");
+  if (o->splitting == SdcSplitting::diagonal) {
+    throw Error(ErrorKind::input, "method.splitting: docs/sdc.md has the limits of \"diagonal\"; domains are measured for \"preconditioned\" and \"imex\"");
+  }
   const SpectralDeferredCorrectionOptions parameters = sdc_parameters(*o);
   const StabilityDomain d =
       stability_domain(parameters, {command.implicit_real, command.implicit_imaginary}, {-0.1, -1.0, -5.0, -10.0, -20.0, -40.0});

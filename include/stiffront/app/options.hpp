@@ -177,7 +177,7 @@ struct DcsOptions {
 };
 
 enum class NodeFamily { gauss_legendre, gauss_lobatto, gauss_radau };
-enum class SdcSplitting { preconditioned, imex, lie, strang };
+enum class SdcSplitting { preconditioned, imex, lie, strang, diagonal };
 enum class SdcImplicit { diffusion, reaction };
 enum class SdcSolver { automatic, cell_local, block_tridiagonal, multigrid };
 enum class SdcCorrection { standard, alternative };

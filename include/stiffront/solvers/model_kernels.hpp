@@ -12,6 +12,7 @@
 #include "stiffront/model/model.hpp"
 #include "stiffront/model/reaction_term.hpp"
 #include "stiffront/solvers/model_transport.hpp"
+#include "stiffront/solvers/node_sweep.hpp"
 #include "stiffront/solvers/radau5.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
 #include "stiffront/solvers/sbdf_line.hpp"
@@ -33,7 +34,9 @@ class ModelKernels : public ReactionTerm {
   virtual std::unique_ptr<TransportTerm> make_transport() const = 0;
   /// The sweeps of the method sbdf.
   virtual std::unique_ptr<SbdfKernel> make_sbdf() const = 0;
-  /// Its Newton iterations on lines. @pre the grid has one dimension
+  /// The sweeps of the method sdc with all nodes of a step in parallel.
+  virtual std::unique_ptr<NodeSweepKernel> make_node_sweep() const = 0;
+  /// Newton iterations of sbdf on lines. @pre the grid has one dimension
   virtual std::unique_ptr<SbdfLine> make_sbdf_line(const Decomposition& decomposition) const = 0;
 };
 
@@ -71,6 +74,7 @@ class ModelKernelsOf final : public ModelKernels {
   }
 
   std::unique_ptr<SbdfKernel> make_sbdf() const override { return std::make_unique<SbdfKernelOf<M>>(model_); }
+  std::unique_ptr<NodeSweepKernel> make_node_sweep() const override { return std::make_unique<NodeSweepKernelOf<M>>(model_); }
   std::unique_ptr<SbdfLine> make_sbdf_line(const Decomposition& decomposition) const override {
     return std::make_unique<SbdfLineOf<M>>(model_, decomposition);
   }
