@@ -16,11 +16,12 @@ constexpr double early = 0.002;          // of the time: profiles adjust to the 
 constexpr double least_rest = 0.1;       // of the budget, or of the error if that is more: what is left to spend is never taken to be less
 constexpr double least_time = 0.1;       // of the whole: the time left is never taken to be less, so that the end does not bring large steps
 constexpr double mark_every = 0.1;       // of the time so far
-// Of the limit, from one step of the companion to the next: before and after it was felt for the first time, and with the budget spent. A rate that
+constexpr double missed_from = 1.6;      // of the budget
+// Of the limit, from one step of the companion to the next: before and after it was felt for the first time, and with the budget missed. A rate that
 // dips must not undo what was saved.
 constexpr double early_growth = 2.0;
 constexpr double growth = 1.1;
-constexpr double spent_growth = 1.0;
+constexpr double missed_growth = 1.0;
 constexpr double least_ratio = 2.0;    // of the errors: below, the difference says little
 
 constexpr double cube(double x) { return x * x * x; }
@@ -96,7 +97,7 @@ void CoarseCompanion::learn(double difference, bool all_well, double c0) {
   const double growth_seen = (error_ - marks_[0].error) / (fine_cubes_ - marks_[0].cubes);
   // What grows faster than local errors can add up is old errors. The faster, the less the step has to do with it.
   const double limit = limit_from(c0 > 0.0 && growth_seen > c0 ? c0 * c0 / growth_seen : growth_seen);
-  const double factor = !limited_ ? early_growth : error_ > budget_ ? spent_growth : growth;
+  const double factor = !limited_ ? early_growth : error_ > missed_from * budget_ ? missed_growth : growth;
   const double reach = std::min(factor * limit_, t_end_ - t_begin_);
   if (limit < reach) limited_ = true;
   limit_ = std::min(limit, reach);

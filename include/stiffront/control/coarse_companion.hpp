@@ -21,8 +21,8 @@ namespace stiffront {
 ///    companion until the error has been seen to grow: early errors may grow later, and no later step undoes them.
 ///  - Once the error is above a tenth of the budget (later: above half of the budget's share of the time), what is left of the budget must
 ///    suffice for the rest of the run at the rate, per sum of h^3, at which the error has grown lately. A rate B above C0, that of local
-///    errors that all add up, is growth of old errors, which is not a matter of the step: C0^2/B is taken instead. With the budget spent the
-///    limit does not grow any more.
+///    errors that all add up, is growth of old errors, which is not a matter of the step: C0^2/B is taken instead. Far above the budget the limit
+///    does not grow any more.
 ///  - In the first 1/500 of the run the error has to be above two fifths of the budget for that. There profiles adjust to the splitting: an error
 ///    of stiff waves that depends on the step alone, is made within a few steps and then stays would be taken for the beginning of a drift.
 class CoarseCompanion {
