@@ -282,8 +282,10 @@ double estimated_memory_mib(const Case& c) {
       const bool multigrid = in_plane && o.implicit_solver != SdcSolver::cell_local;
       return 11.0 + 4.0 * o.node_count + (multigrid ? 16.0 + 2.7 * species : 0.0);
     }
-    double operator()(const SbdfOptions&) const { return 17.0; }
-    double operator()(const AutoOptions&) const { return 17.0; }
+    double operator()(const SbdfOptions&) const { return sbdf(); }
+    double operator()(const AutoOptions&) const { return sbdf(); }
+    /// The coarser grids are made when diffusion is much stiffer than the rest only, which is not known before.
+    double sbdf() const { return 17.0 + (in_plane ? 2.0 + 0.67 * species : 0.0); }
     double operator()(const CvodeOptions& o) const {
       if (o.linear_solver != LinearSolver::band) return 44.0;
       return 23.0 + 6.0 * species * width;  // two matrices, one of them with room for fill-in

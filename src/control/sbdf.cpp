@@ -30,6 +30,8 @@ std::span<const double> line_factors(int space_order) {
 /// What such an iteration costs in sweeps (measured; see docs/sbdf.md). Constants, so that the choice is the same
 /// everywhere.
 double line_cost(int n_species) { return std::min(3.0 + 10.0 * n_species, 35.0); }
+/// The same of a step with corrections on coarser grids in two dimensions, its sweeps included.
+double plane_cost(int n_species) { return 25.0 + 5.0 * n_species; }
 
 SbdfOptions checked(SbdfOptions o, int n_species) {
   if (!(o.relative_tolerance > 0.0)) {
@@ -143,6 +145,9 @@ Sbdf::Treatment Sbdf::treatment(int order, double dt) const {
   if (diffusion_->dimension() == 1) {
     const double passes = static_cast<double>(line_factors(diffusion_->order()).size());
     const double cost = passes * line_cost(diffusion_->n_species());
+    if (cost < best.cost || longest < dt) best = {0, cost};
+  } else if (diffusion_->n_species() <= plane_correction_species) {
+    const double cost = plane_cost(diffusion_->n_species());
     if (cost < best.cost || longest < dt) best = {0, cost};
   }
   return best;
@@ -325,6 +330,18 @@ void Sbdf::iterate_line(const Step& step, double t_new, const Field& v, Field& o
   line_->iterate(*diffusion_, sweep, c, free_);
 }
 
+void Sbdf::correct_plane(const Step& step, double t_new, Field& v, bool is_first) {
+  SbdfSweep sweep;
+  sweep.t = t_new;
+  sweep.gamma = step.gamma;
+  sweep.decomposition = &v.decomposition();
+  sweep.v = rows_of(std::as_const(v));
+  sweep.r = rows_of(std::as_const(right_side_));
+  halo_.exchange(v);
+  if (is_first) plane_->prepare(*equations_, sweep);
+  plane_->correct(*equations_, sweep, v);
+}
+
 std::span<const double> Sbdf::shifts_of(const Step& step) const {
   return step.sweeps == 0 ? line_factors(diffusion_->order()) : sbdf_shifts(step.order, step.sweeps);
 }
@@ -343,8 +360,15 @@ void Sbdf::make_by_sweeps(const Made& made, std::span<const Field* const> states
   const double t_new = made.t + made.dt;
   const Step& step = made.step;
   bdf_combine(states, step.predictor, step.history, rows_of(predictor_), rows_of(right_side_), free_);
-  const auto shifts = shifts_of(step);
-  const auto passes = static_cast<int>(shifts.size());
+  const bool corrects = step.sweeps == 0 && diffusion_->dimension() == 2;
+  if (corrects && !plane_) {
+    equations_ = model_->make_sbdf_equations();
+    plane_ = make_plane_correction(u_new, *diffusion_);
+  }
+  const std::size_t groups = corrects ? PlaneCorrection::groups : 1;
+  const auto shifts_of_group = [&](std::size_t g) { return corrects ? plane_->shifts(g) : shifts_of(step); };
+  std::size_t passes = 0;
+  for (std::size_t g = 0; g < groups; ++g) passes += shifts_of_group(g).size();
   const Boundary& boundary = diffusion_->boundary();
   if (boundary.has_dirichlet()) {
     boundary.impose(predictor_, t_new);
@@ -352,13 +376,16 @@ void Sbdf::make_by_sweeps(const Made& made, std::span<const Field* const> states
     if (passes > 1) boundary.impose(work_, t_new);
   }
   Field* v = &predictor_;
-  for (int j = 0; j < passes; ++j) {
-    Field* out = (passes - 1 - j) % 2 == 0 ? &u_new : &work_;
-    Field* const exchanged = v;
-    halo_.begin(std::span<Field* const>(&exchanged, 1));
-    const double shift = shifts[static_cast<std::size_t>(j)];
-    step.sweeps == 0 ? iterate_line(step, t_new, *v, *out, shift) : sweep(step, t_new, *v, *out, shift);
-    v = out;
+  for (std::size_t g = 0; g < groups; ++g) {
+    if (g > 0) correct_plane(step, t_new, *v, g == 1);
+    for (double shift : shifts_of_group(g)) {
+      --passes;
+      Field* out = passes % 2 == 0 ? &u_new : &work_;
+      Field* const exchanged = v;
+      halo_.begin(std::span<Field* const>(&exchanged, 1));
+      step.sweeps == 0 && !corrects ? iterate_line(step, t_new, *v, *out, shift) : sweep(step, t_new, *v, *out, shift);
+      v = out;
+    }
   }
 }
 
@@ -428,6 +455,23 @@ void Sbdf::make_steps(double t, double dt, const Step& step, const Field& u, Fie
   add_errors(made_[0], u_new, predictors, step.tests_order, free_);
 }
 
+void Sbdf::count_work(const Step& step, Work& work) const {
+  const auto cells = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
+  if (step.sweeps == 0 && diffusion_->dimension() == 2) {
+    constexpr auto corrections = static_cast<std::int64_t>(PlaneCorrection::groups) - 1;
+    for (std::size_t g = 0; g < PlaneCorrection::groups; ++g) work.sweeps += static_cast<std::int64_t>(plane_->shifts(g).size());
+    work.linear_iterations = corrections;
+    work.halo_exchanges = work.sweeps + corrections;
+    work.reaction_rhs = cells * (work.sweeps + corrections);
+    work.reaction_jacobians = cells * work.sweeps;
+    return;
+  }
+  const auto passes = static_cast<std::int64_t>(shifts_of(step).size());
+  (step.sweeps == 0 ? work.line_solves : work.sweeps) = passes;
+  work.halo_exchanges = is_in_wavefront(step) && wavefront_->has_neighbours() ? 1 : passes;
+  work.reaction_rhs = work.reaction_jacobians = cells * passes;
+}
+
 Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) {
   Attempt attempt;
   attempt.iterations = control_.order();
@@ -442,11 +486,7 @@ Attempt Sbdf::attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t
   agreement_.sums.resize(step.tests_order ? made.sums.size() : 1);
   agreement_.maxima.assign(step.tests_order ? made.extremes.size() + 1 : 0, 0.0);
   std::copy_n(made.sums.begin(), agreement_.sums.size(), agreement_.sums.begin());
-  const auto passes = static_cast<std::int64_t>(shifts_of(step).size());
-  const auto cells = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
-  (step.sweeps == 0 ? attempt.work.line_solves : attempt.work.sweeps) = passes;
-  attempt.work.halo_exchanges = is_in_wavefront(step) && wavefront_->has_neighbours() ? 1 : passes;
-  attempt.work.reaction_rhs = attempt.work.reaction_jacobians = cells * passes;
+  count_work(step, attempt.work);
 
   BdfErrors errors;
   agreement_.flags = flags;

@@ -9,6 +9,7 @@ namespace stiffront {
 GridLine::GridLine(int n, bool is_periodic, bool has_fixed_lower, bool has_fixed_upper)
     : periodic(is_periodic), fixed_lower(has_fixed_lower), fixed_upper(has_fixed_upper), period(n) {
   for (int i = 0; i < n; ++i) position.push_back(i);
+  share_length();
   differentiate();
 }
 
@@ -18,31 +19,33 @@ GridLine::GridLine(const Grid& grid, int direction, bool has_fixed_lower, bool h
       fixed_upper(has_fixed_upper),
       period(static_cast<double>(grid.points[static_cast<std::size_t>(direction)])) {
   for (std::int64_t i = 0; i < grid.points[static_cast<std::size_t>(direction)]; ++i) position.push_back(grid.place(direction, i));
+  share_length();
   differentiate();
+}
+
+void GridLine::share_length() {
+  const std::size_t n_points = position.size();
+  share.assign(n_points, 1.0);
+  if (n_points == 1) return;
+  for (std::size_t i = 0; i < n_points; ++i) share[i] = 0.5 * (interval_before(i) + interval_before(i + 1));
+}
+
+double GridLine::interval_before(std::size_t i) const {
+  const bool outside = i == 0 || i == position.size();
+  if (!outside) return position[i] - position[i - 1];
+  return periodic ? position[0] + period - position.back() : 0.0;
 }
 
 void GridLine::differentiate() {
   const std::size_t n_points = position.size();
   lower.assign(n_points, 0.0);
   upper.assign(n_points, 0.0);
-  share.assign(n_points, 1.0);
   if (n_points == 1) return;
   for (std::size_t i = 0; i < n_points; ++i) {
-    const bool first = i == 0;
-    const bool last = i + 1 == n_points;
-    const double to_left = first ? position[0] + period - position.back() : position[i] - position[i - 1];
-    const double to_right = last ? position[0] + period - position.back() : position[i + 1] - position[i];
-    if (first && !periodic) {
-      upper[i] = 2.0 / (to_right * to_right);
-      share[i] = 0.5 * to_right;
-    } else if (last && !periodic) {
-      lower[i] = 2.0 / (to_left * to_left);
-      share[i] = 0.5 * to_left;
-    } else {
-      lower[i] = 2.0 / (to_left * (to_left + to_right));
-      upper[i] = 2.0 / (to_right * (to_left + to_right));
-      share[i] = 0.5 * (to_left + to_right);
-    }
+    const double to_left = interval_before(i);
+    const double to_right = interval_before(i + 1);
+    if (to_left > 0.0) lower[i] = 1.0 / (to_left * share[i]);
+    if (to_right > 0.0) upper[i] = 1.0 / (to_right * share[i]);
   }
 }
 
@@ -65,29 +68,35 @@ GridLine GridLine::keep() {
 
 GridLine GridLine::coarsen() {
   const int n_points = n();
+  const bool to_one = n_points == 2;
+  const double spacing = position[1] - position[0];
+  // Which of the last points stay is said in the header.
+  const bool odd_end = !periodic && !to_one && n_points % 2 == 0;
+  const bool keeps_odd_end = odd_end && (fixed_upper || beyond >= 0.5 * spacing);
+  const bool drops_last = periodic && n_points % 2 == 1 && interval_before(0) < spacing;
+
   GridLine c;
-  c.periodic = periodic, c.fixed_lower = fixed_lower, c.fixed_upper = fixed_upper, c.period = period;
+  c.periodic = periodic, c.fixed_lower = fixed_lower, c.fixed_upper = fixed_upper, c.period = period, c.beyond = beyond;
+  if (odd_end && !keeps_odd_end) c.beyond += position.back() - position[position.size() - 2];
   centre.clear();
   for (int i = 0; i < n_points; i += 2) centre.push_back(i);
-  const bool to_one = n_points == 2;
-  if (!periodic && !to_one && n_points % 2 == 0) centre.push_back(n_points - 1);
+  if (keeps_odd_end) centre.push_back(n_points - 1);
+  if (drops_last) centre.pop_back();
   for (int i : centre) c.position.push_back(position[static_cast<std::size_t>(i)]);
-  c.differentiate();
 
   left.clear(), by_left.clear(), by_right.clear();
   for (int i = 0; i < n_points; ++i) {
-    const int k = i / 2;
     const auto here = static_cast<std::size_t>(i);
-    const bool is_last_kept = !periodic && !to_one && i == n_points - 1 && i % 2 == 1;
-    left.push_back(is_last_kept ? k + 1 : k);
-    if (i % 2 == 0 || is_last_kept || (to_one && !periodic)) {
-      by_left.push_back(1.0), by_right.push_back(0.0);
-    } else {
-      const double from = position[here - 1];
+    left.push_back(i / 2);
+    by_right.push_back(0.0);
+    if (i == n_points - 1 && keeps_odd_end) left.back() += 1;
+    if (i == n_points - 1 && drops_last) left.back() -= 1, by_right.back() = 1.0;
+    const bool is_nearest = i % 2 == 0 || (i == n_points - 1 && odd_end) || (to_one && !periodic) || (i == n_points - 2 && drops_last);
+    if (!is_nearest) {
       const double to = i + 1 < n_points ? position[here + 1] : position[0] + period;
-      by_right.push_back((position[here] - from) / (to - from));
-      by_left.push_back(1.0 - by_right.back());
+      by_right.back() = (position[here] - position[here - 1]) / (to - position[here - 1]);
     }
+    by_left.push_back(1.0 - by_right.back());
   }
 
   // The mean over the hat function of each coarse point.
@@ -105,8 +114,10 @@ GridLine GridLine::coarsen() {
     const double w_after = weight_of(i + 1);
     const double w_at = share[here];
     const double sum = (w_before + w_after) + w_at;
+    c.share.push_back(sum);
     before.push_back(w_before / sum), at.push_back(w_at / sum), after.push_back(w_after / sum);
   }
+  c.differentiate();
   return c;
 }
 

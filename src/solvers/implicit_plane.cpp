@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "plane_level.hpp"
 #include "species_count.hpp"
 #include "stiffront/core/error.hpp"
-#include "stiffront/solvers/cell_solve.hpp"
 #include "stiffront/solvers/coarse_grids.hpp"
 #include "stiffront/solvers/implicit_part.hpp"
 
@@ -32,230 +32,6 @@ constexpr std::size_t basis_size = 10;
 constexpr int most_iterations = 60;
 // Changes below this part of a species' largest value are round-off.
 constexpr double round_off = 1e-15;
-
-/// One grid of the hierarchy with what lives on it: the matrix A = 1 - h J - h gamma D Laplacian, the inverses of its cell blocks.
-template <int m>
-class Level {
- public:
-  /// @param jacobian of the finest level; null: an own one
-  Level(const Decomposition& decomposition, const CoarseGrid& grid, const PlaneView* jacobian)
-      : grid_(&grid),
-        x(m, grid.n[0], grid.n[1]),
-        b(m, grid.n[0], grid.n[1]),
-        r(m, grid.n[0], grid.n[1]),
-        own_jacobian_(jacobian == nullptr ? std::optional<Plane>(std::in_place, m * m, grid.n[0], grid.n[1]) : std::nullopt),
-        inverse_(m * m, grid.n[0], grid.n[1]),
-        jacobian_(own_jacobian_ ? static_cast<PlaneView>(*own_jacobian_) : *jacobian),
-        halo_(decomposition, grid, m * m),
-        gather_(decomposition.comm(), grid, m * m) {
-    const auto part = [&](const std::vector<double>& whole, std::size_t d) {
-      const auto first = whole.begin() + grid.begin[d];
-      std::vector<double> mine(first, first + grid.n[d]);
-      mine.resize(mine.size() + pack_size, 0.0);
-      return mine;
-    };
-    lower_x_ = part(grid.x().lower, 0);
-    upper_x_ = part(grid.x().upper, 0);
-    lower_y_ = part(grid.y().lower, 1);
-    upper_y_ = part(grid.y().upper, 1);
-    strip_.resize(static_cast<std::size_t>(grid.n[0]) + 2 + pack_size);
-  }
-
-  const CoarseGrid& grid() const { return *grid_; }
-  PlaneView jacobian() const { return jacobian_; }
-  void exchange(const PlaneView& u, int components) { halo_.exchange(u, components); }
-  void gather(const PlaneView& u, int components) { gather_.gather(u, components); }
-
-  /// @param k h gamma D / distance^2 of the finest grid, per direction and species
-  void set_matrix(double h, const double (&k_x)[m], const double (&k_y)[m]) {
-    h_ = h;
-    for (int s = 0; s < m; ++s) k_x_[s] = k_x[s], k_y_[s] = k_y[s];
-    for_cells([&](int i, int j, int n) {
-      Pack inverse[m][m];
-      const auto inverted = [&](auto lu) {
-        for (int p = 0; p < m; ++p) {
-          for (int q = 0; q < m; ++q) {
-            const Pack unit = p == q ? Pack(1.0) + diagonal(p, i, j) : Pack(0.0);
-            lu(p, q) = neg_mul_add(Pack(h), Pack::load(jacobian_.row(p * m + q, j) + i), unit);
-          }
-        }
-        const bool good = lu.factor();
-        for (int q = 0; q < m; ++q) {
-          Pack unit[m];
-          for (int p = 0; p < m; ++p) unit[p] = Pack(p == q ? 1.0 : 0.0);
-          lu.solve(unit);
-          for (int p = 0; p < m; ++p) inverse[p][q] = unit[p];
-        }
-        return good;
-      };
-      if (!inverted(CellLu<Pack, m, false>())) inverted(CellLu<Pack, m, true>());
-      for (int c = 0; c < m * m; ++c) inverse[c / m][c % m].store_partial(inverse_.row(c, j) + i, n);
-    });
-  }
-
-  /// The largest coupling of a cell to one neighbour.
-  double coupling() const {
-    double largest = 0.0;
-    for (int s = 0; s < m; ++s) {
-      largest = std::max(largest, std::max(k_x_[s] * grid_->x().coupling(), k_y_[s] * grid_->y().coupling()));
-    }
-    return largest;
-  }
-
-  /// result = A u at the unknowns. @pre the halo of u is up to date
-  void apply(const PlaneView& u, const PlaneView& result) const {
-    for_cells([&](int i, int j, int n) {
-      Pack au[m];
-      multiply(u, i, j, au);
-      for (int s = 0; s < m; ++s) au[s].store_partial(result.row(s, j) + i, n);
-    });
-  }
-  /// result = b - A u.
-  void residual(const PlaneView& right, const PlaneView& u, const PlaneView& result) const {
-    for_cells([&](int i, int j, int n) {
-      Pack au[m];
-      multiply(u, i, j, au);
-      for (int s = 0; s < m; ++s) (Pack::load(right.row(s, j) + i) - au[s]).store_partial(result.row(s, j) + i, n);
-    });
-  }
-  /// x = weight / (cell blocks) b.
-  void begin(double weight) {
-    for_cells([&](int i, int j, int n) {
-      Pack right[m];
-      for (int s = 0; s < m; ++s) right[s] = Pack::load(b.row(s, j) + i);
-      Pack change[m];
-      divide(right, i, j, change);
-      for (int s = 0; s < m; ++s) (Pack(weight) * change[s]).store_partial(x.row(s, j) + i, n);
-    });
-  }
-  /// x += weight / (cell blocks) (b - A x).
-  void smooth(double weight) {
-    exchange(x, m);
-    for_cells([&](int i, int j, int n) {
-      Pack au[m];
-      multiply(x, i, j, au);
-      for (int s = 0; s < m; ++s) au[s] = Pack::load(b.row(s, j) + i) - au[s];
-      Pack change[m];
-      divide(au, i, j, change);
-      for (int s = 0; s < m; ++s) mul_add(Pack(weight), change[s], Pack::load(x.row(s, j) + i)).store_partial(r.row(s, j) + i, n);
-    });
-    std::swap(x, r);
-  }
-
-  /// coarse = means of u. @pre the halo of u is up to date, corners too
-  void restrict_to(const Level& coarse, const PlaneView& u, const PlaneView& result, int components) {
-    const GridLine& along_x = grid_->x();
-    const GridLine& along_y = grid_->y();
-    // The part of a whole grid that this rank contributes lies where its own points are.
-    const auto [i_first, i_last] = coarse_part(along_x, 0);
-    const auto [j_first, j_last] = coarse_part(along_y, 1);
-    for (int c = 0; c < components; ++c) {
-      for (int jc = j_first; jc < j_last; ++jc) {
-        const auto gj = static_cast<std::size_t>(jc);
-        const int j = along_y.centre[gj] - grid_->begin[1];
-        const double* below = u.row(c, j - 1);
-        const double* here = u.row(c, j);
-        const double* above = u.row(c, j + 1);
-        double* strip = strip_.data() + 1;
-        const double w_b = along_y.before[gj], w_h = along_y.at[gj], w_a = along_y.after[gj];
-        for (int i = -1; i <= grid_->n[0]; ++i) strip[i] = w_h * here[i] + (w_b * below[i] + w_a * above[i]);
-        double* out = result.row(c, jc - coarse.grid_->begin[1]) - coarse.grid_->begin[0];
-        for (int ic = i_first; ic < i_last; ++ic) {
-          const auto gi = static_cast<std::size_t>(ic);
-          const double* at = strip + (along_x.centre[gi] - grid_->begin[0]);
-          out[ic] = along_x.at[gi] * at[0] + (along_x.before[gi] * at[-1] + along_x.after[gi] * at[1]);
-        }
-      }
-    }
-  }
-
-  /// x += interpolated x of the coarser level. @pre its halo is up to date, corners too
-  void add_from(const Level& coarse) {
-    const GridLine& along_x = grid_->x();
-    const GridLine& along_y = grid_->y();
-    const CoarseGrid& cg = coarse.grid();
-    coarse_strip_.resize(static_cast<std::size_t>(cg.n[0]) + 2 + pack_size);
-    double* strip = coarse_strip_.data() + 1;
-    for (int c = 0; c < m; ++c) {
-      for (int j = grid_->free.j_begin; j < grid_->free.j_end; ++j) {
-        const auto gj = static_cast<std::size_t>(j + grid_->begin[1]);
-        const int jc = along_y.left[gj] - cg.begin[1];
-        const double* lower_row = coarse.x.row(c, jc);
-        const double* upper_row = coarse.x.row(c, jc + 1);
-        const double w_l = along_y.by_left[gj], w_u = along_y.by_right[gj];
-        for (int i = -1; i <= cg.n[0]; ++i) strip[i] = w_l * lower_row[i] + w_u * upper_row[i];
-        double* out = x.row(c, j);
-        for (int i = grid_->free.i_begin; i < grid_->free.i_end; ++i) {
-          const auto gi = static_cast<std::size_t>(i + grid_->begin[0]);
-          const double* at = strip + (along_x.left[gi] - cg.begin[0]);
-          out[i] += along_x.by_left[gi] * at[0] + along_x.by_right[gi] * at[1];
-        }
-      }
-    }
-  }
-
-  template <class F>
-  void for_cells(F&& f) const {
-    for (int j = grid_->free.j_begin; j < grid_->free.j_end; ++j) {
-      for_each_pack(grid_->free.i_begin, grid_->free.i_end, [&](int i, int n) { f(i, j, n); });
-    }
-  }
-
- private:
-  std::array<int, 2> coarse_part(const GridLine& line, std::size_t d) const {
-    const auto first = std::lower_bound(line.centre.begin(), line.centre.end(), grid_->begin[d]);
-    const auto last = std::lower_bound(line.centre.begin(), line.centre.end(), grid_->begin[d] + grid_->n[d]);
-    return {static_cast<int>(first - line.centre.begin()), static_cast<int>(last - line.centre.begin())};
-  }
-  /// What the Laplacian has on the diagonal.
-  Pack diagonal(int s, int i, int j) const {
-    const auto gi = static_cast<std::size_t>(i);
-    const auto gj = static_cast<std::size_t>(j);
-    return mul_add(Pack(k_x_[s]), Pack::load(&lower_x_[gi]) + Pack::load(&upper_x_[gi]), Pack(k_y_[s] * (lower_y_[gj] + upper_y_[gj])));
-  }
-  void multiply(const PlaneView& u, int i, int j, Pack (&result)[m]) const {
-    const auto gi = static_cast<std::size_t>(i);
-    const auto gj = static_cast<std::size_t>(j);
-    const Pack lower = Pack::load(&lower_x_[gi]), upper = Pack::load(&upper_x_[gi]);
-    const Pack below(lower_y_[gj]), above(upper_y_[gj]);
-    Pack v[m];
-    for (int s = 0; s < m; ++s) v[s] = Pack::load(u.row(s, j) + i);
-    for (int s = 0; s < m; ++s) {
-      const double* at = u.row(s, j) + i;
-      Pack sum = v[s];
-      for (int q = 0; q < m; ++q) sum = neg_mul_add(Pack(h_) * v[q], Pack::load(jacobian_.row(s * m + q, j) + i), sum);
-      // Differences of neighbours: a constant is in the null space to the last bit.
-      const Pack along_x = lower * (v[s] - Pack::load(at - 1)) + upper * (v[s] - Pack::load(at + 1));
-      const Pack along_y = below * (v[s] - Pack::load(at - u.row_stride)) + above * (v[s] - Pack::load(at + u.row_stride));
-      sum = mul_add(Pack(k_x_[s]), along_x, sum);
-      result[s] = mul_add(Pack(k_y_[s]), along_y, sum);
-    }
-  }
-  void divide(const Pack (&right)[m], int i, int j, Pack (&result)[m]) const {
-    for (int p = 0; p < m; ++p) {
-      Pack sum = Pack::load(inverse_.row(p * m, j) + i) * right[0];
-      for (int q = 1; q < m; ++q) sum = mul_add(Pack::load(inverse_.row(p * m + q, j) + i), right[q], sum);
-      result[p] = sum;
-    }
-  }
-
-  const CoarseGrid* grid_;
-
- public:
-  Plane x, b, r;  ///< solution, right side, residual or next solution
-
- private:
-  std::optional<Plane> own_jacobian_;
-  Plane inverse_;
-  PlaneView jacobian_;
-  PlaneExchange halo_;
-  PlaneGather gather_;
-  std::vector<double> lower_x_, upper_x_, lower_y_, upper_y_;  // of this rank, zeros beyond
-  std::vector<double> strip_, coarse_strip_;
-  double h_ = 0.0;
-  double k_x_[m] = {};
-  double k_y_[m] = {};
-};
 
 template <int m>
 class PlanePart final : public ImplicitPart {
@@ -294,7 +70,7 @@ class PlanePart final : public ImplicitPart {
     }
     set_matrices(h);
     ++solves_;
-    Level<m>& fine = levels_[0];
+    PlaneLevel<m>& fine = levels_[0];
     const PlaneView u = solution_[0];
     // At first the solution is what is known of it: zero, and the values of Dirichlet points.
     copy_known(b, u);
@@ -334,8 +110,8 @@ class PlanePart final : public ImplicitPart {
     n_levels_ = 1;
     levels_[0].set_matrix(h, k_x, k_y);
     while (levels_[n_levels_ - 1].coupling() > weak_coupling && n_levels_ < levels_.size()) {
-      Level<m>& fine = levels_[n_levels_ - 1];
-      Level<m>& coarse = levels_[n_levels_];
+      PlaneLevel<m>& fine = levels_[n_levels_ - 1];
+      PlaneLevel<m>& coarse = levels_[n_levels_];
       if (terms_.reaction) {
         fine.exchange(fine.jacobian(), m * m);
         fine.restrict_to(coarse, fine.jacobian(), coarse.jacobian(), m * m);
@@ -349,13 +125,13 @@ class PlanePart final : public ImplicitPart {
 
   /// One V-cycle for A x = b on a level, from x = 0.
   void cycle(std::size_t l) {
-    Level<m>& level = levels_[l];
+    PlaneLevel<m>& level = levels_[l];
     if (l + 1 == n_levels_) {
       level.begin(1.0);
       if (l > 0 && level.coupling() > 0.0) level.smooth(1.0), level.smooth(1.0);
       return;
     }
-    Level<m>& coarse = levels_[l + 1];
+    PlaneLevel<m>& coarse = levels_[l + 1];
     level.begin(weight_before);
     level.exchange(level.x, m);
     level.residual(level.b, level.x, level.r);
@@ -370,7 +146,7 @@ class PlanePart final : public ImplicitPart {
 
   /// The right side of the finest level becomes b - A u.
   void begin_residual(Field& b, const PlaneView& u, bool u_is_not_zero) {
-    Level<m>& fine = levels_[0];
+    PlaneLevel<m>& fine = levels_[0];
     if (u_is_not_zero) {
       fine.exchange(u, m);
       fine.residual(view(b), u, fine.b);
@@ -381,7 +157,7 @@ class PlanePart final : public ImplicitPart {
 
   /// Arnoldi's process and the least-squares problem, from the first basis vector on. @return the norm of the residual
   double krylov(double norm, int& iterations) {
-    Level<m>& fine = levels_[0];
+    PlaneLevel<m>& fine = levels_[0];
     std::array<std::array<double, basis_size>, basis_size + 1> h{};
     std::array<double, basis_size> cosine{}, sine{};
     std::array<double, basis_size + 1> g{};
@@ -437,7 +213,7 @@ class PlanePart final : public ImplicitPart {
 
   /// Each species counts relative to the size of its part of the first approximation, which then has the norm sqrt(m).
   void choose_weights(const Field& at) {
-    Level<m>& fine = levels_[0];
+    PlaneLevel<m>& fine = levels_[0];
     agreement_.sums.assign(m, ReproducibleSum());
     agreement_.maxima.assign(m, 0.0);
     for (std::size_t s = 0; s < m; ++s) {
@@ -533,7 +309,7 @@ class PlanePart final : public ImplicitPart {
   bool fixed_points_;
   Field jacobian_;  // zero if the reaction is no part
   std::vector<CoarseGrid> grids_;
-  std::vector<Level<m>> levels_;
+  std::vector<PlaneLevel<m>> levels_;
   std::size_t n_levels_ = 1;
   std::vector<Plane> basis_;
   std::vector<Plane> solution_;

@@ -8,9 +8,11 @@
 #include <memory>
 #include <numbers>
 
+#include "stiffront/control/cvode.hpp"
 #include "stiffront/control/evolve.hpp"
 #include "stiffront/control/sbdf_tables.hpp"
 #include "stiffront/core/error.hpp"
+#include "stiffront/model/builtin/brusselator.hpp"
 #include "stiffront/model/builtin/bz.hpp"
 #include "stiffront/model/builtin/discharge.hpp"
 #include "stiffront/model/builtin/kpp.hpp"
@@ -59,6 +61,22 @@ struct Inert {
   template <class T, class P>
   void rates(const T* u, T* du, const P&) const {
     du[0] = u[0] * 0.0;
+  }
+};
+
+/// The same of more species than corrections on coarser grids are made for.
+struct ManyInert {
+  static constexpr int n_species = plane_correction_species + 1;
+  static constexpr const char* name = "many-inert";
+  static constexpr const char* source = "test";
+  static constexpr std::array<const char*, n_species> species{"a", "b", "c", "d", "e", "f", "g", "h", "i"};
+  static constexpr std::array<double, n_species> diffusion{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+  static constexpr std::array<Parameter<ManyInert>, 0> parameters{};
+  static constexpr std::array<Profile<ManyInert>, 0> profiles{};
+
+  template <class T, class P>
+  void rates(const T* u, T* du, const P&) const {
+    for (int s = 0; s < n_species; ++s) du[s] = u[s] * 0.0;
   }
 };
 
@@ -138,7 +156,9 @@ double fixed_step_error(Case<M>& c, int order, double start, double dt, int n, F
   Sbdf method(c.u, c.rhs, c.model, options);
   const auto set = [&](Field& f, double t) {
     for (int s = 0; s < f.n_species(); ++s) {
-      for (int i = 0; i < f.n_x(); ++i) f.at(s, i) = exact(s, i, t);
+      for (int j = 0; j < f.n_y(); ++j) {
+        for (int i = 0; i < f.n_x(); ++i) f.at(s, i, j) = exact(s, i, t);
+      }
     }
   };
   StoredState state;
@@ -146,7 +166,9 @@ double fixed_step_error(Case<M>& c, int order, double start, double dt, int n, F
     Field f = c.u.similar();
     set(f, start - back * dt);
     std::vector<double> flat;
-    for (int s = 0; s < f.n_species(); ++s) flat.insert(flat.end(), f.row(s, 0), f.row(s, 0) + f.n_x());
+    for (int s = 0; s < f.n_species(); ++s) {
+      for (int j = 0; j < f.n_y(); ++j) flat.insert(flat.end(), f.row(s, j), f.row(s, j) + f.n_x());
+    }
     state.stored["history-" + std::to_string(back)] = flat;
   }
   set(c.u, start);
@@ -170,7 +192,9 @@ double fixed_step_error(Case<M>& c, int order, double start, double dt, int n, F
   }
   double error = 0.0;
   for (int s = 0; s < M::n_species; ++s) {
-    for (int i = 0; i < c.u.n_x(); ++i) error = std::max(error, std::abs(c.u.at(s, i) - exact(s, i, start + n * dt)));
+    for (int j = 0; j < c.u.n_y(); ++j) {
+      for (int i = 0; i < c.u.n_x(); ++i) error = std::max(error, std::abs(c.u.at(s, i, j) - exact(s, i, start + n * dt)));
+    }
   }
   return error;
 }
@@ -190,7 +214,7 @@ TEST(Sbdf, HasTheOrderItSaysForAStiffNonlinearReaction) {
   }
 }
 
-TEST(Sbdf, HasTheOrderItSaysForDiffusionWithSeveralSweepsAndWithCoupledLines) {
+TEST(Sbdf, HasTheOrderItSaysForDiffusionWithSeveralSweepsAndWithCoupledCells) {
   const int points = 41;
   const double dx = 1.0 / (points - 1);
   const double mode = std::numbers::pi * dx;
@@ -199,12 +223,12 @@ TEST(Sbdf, HasTheOrderItSaysForDiffusionWithSeveralSweepsAndWithCoupledLines) {
     const double symbol =
         space == 2 ? 2.0 - 2.0 * std::cos(mode) : 2.5 - 8.0 / 3.0 * std::cos(mode) + std::cos(2.0 * mode) / 6.0;
     const double lambda = symbol / (dx * dx);
-    for (int max_sweeps : {sbdf_max_sweeps, 1}) {
+    for (const auto& [max_sweeps, rows] : {std::pair(sbdf_max_sweeps, 1), std::pair(1, 1), std::pair(1, 31)}) {
       for (int order = 1; order <= 5; ++order) {
         std::vector<double> h;
         std::vector<double> e;
         for (int n : {10, 20, 40}) {
-          Case<Inert> c(unit_grid(points, 1), {1.0}, space);
+          Case<Inert> c(unit_grid(points, rows), {1.0}, space);
           const double dt = 0.1 / n;
           ASSERT_GT(dt * c.problem.diffusion.spectral_radius(), sbdf_z_limit(order, 2))
               << "more than two sweeps are needed";
@@ -214,7 +238,7 @@ TEST(Sbdf, HasTheOrderItSaysForDiffusionWithSeveralSweepsAndWithCoupledLines) {
               max_sweeps));
         }
         EXPECT_NEAR(testing::observed_order(h, e), order, order < 3 ? 0.15 : 0.35)
-            << "space " << space << " order " << order << " sweeps " << max_sweeps;
+            << "space " << space << " order " << order << " sweeps " << max_sweeps << " rows " << rows;
       }
     }
   }
@@ -260,6 +284,52 @@ double relative_difference(const Field& a, const Field& b) {
     worst = std::max(worst, std::sqrt(sum / (a.n_x() * a.n_y())) / top);
   }
   return worst;
+}
+
+TEST(Sbdf, StiffDiffusionInThePlaneIsCoupledOnCoarserGridsAndAgreesWithCvode) {
+  struct Counter final : Observer {
+    Work work;
+    void attempted(const StepRecord& r) override { work += r.attempt.work; }
+  };
+  const auto begin = [](Case<Brusselator>& c) {
+    for (int j = 0; j < c.u.n_y(); ++j) {
+      for (int i = 0; i < c.u.n_x(); ++i) {
+        const double wave = std::cos(std::numbers::pi * i / 29.0) * std::cos(2.0 * std::numbers::pi * j / 24.0);
+        c.u.at(0, i, j) = 1.0 + 0.5 * wave;
+        c.u.at(1, i, j) = 3.0 - wave;
+      }
+    }
+  };
+  const auto run = [](Case<Brusselator>& c, Method& method) {
+    Schedule schedule;
+    schedule.end = 1.0;
+    Progress progress;
+    Counter counter;
+    evolve(method, schedule, c.u, progress, counter);
+    return std::pair(progress, counter.work);
+  };
+  Case<Brusselator> exact(unit_grid(30, 25), {20.0, 0.1}, 4);
+  begin(exact);
+  CvodeOptions tight;
+  tight.relative_tolerance = 1e-8;
+  tight.absolute_tolerance = {1e-10, 1e-10};
+  tight.linear_solver = CvodeOptions::LinearSolver::gmres;
+  Cvode cvode(exact.u, exact.rhs, tight);
+  run(exact, cvode);
+  for (double tolerance : {1e-3, 1e-5}) {
+    Case<Brusselator> c(unit_grid(30, 25), {20.0, 0.1}, 4);
+    begin(c);
+    SbdfOptions options;
+    options.relative_tolerance = tolerance;
+    options.absolute_tolerance = {0.01 * tolerance};
+    Sbdf method(c.u, c.rhs, c.model, options);
+    const auto [progress, work] = run(c, method);
+    EXPECT_LT(relative_difference(c.u, exact.u), 10.0 * tolerance) << tolerance;
+    EXPECT_GT(work.linear_iterations, progress.accepted / 2) << "many steps couple the cells";
+    EXPECT_LT(static_cast<double>(progress.rejected), 0.05 * static_cast<double>(progress.accepted)) << tolerance;
+    EXPECT_LT(work.sweeps, 24 * progress.accepted) << "no step takes more sweeps than corrections cost";
+    EXPECT_EQ(method.closing_note(), "");
+  }
 }
 
 TEST(Sbdf, ErrorsOfABzWaveFollowTheToleranceWithoutRejections) {
@@ -386,23 +456,26 @@ TEST(Sbdf, AStepTooLongForAllSweepsIsRejectedWithAReason) {
 }
 
 TEST(Sbdf, SaysAtTheEndHowManyStepsDiffusionKeptShort) {
-  const auto note = [](int dimension, int max_sweeps) {
-    Case<Inert> c(unit_grid(101, dimension == 2 ? 5 : 1), {1.0});
+  const auto note = []<class M>(const M&, int dimension, int max_sweeps, double diffusion = 1.0, double end = 0.1) {
+    Case<M> c(unit_grid(101, dimension == 2 ? 5 : 1), std::vector<double>(M::n_species, diffusion));
     c.u = c.problem.field([](int, double x, double) { return std::cos(std::numbers::pi * x); });
     SbdfOptions options;
     options.max_sweeps = max_sweeps;
     Sbdf method(c.u, c.rhs, c.model, options);
     Schedule schedule;
-    schedule.end = 0.1;
+    schedule.end = end;
     Progress progress;
     Observer nobody;
     evolve(method, schedule, c.u, progress, nobody);
     return method.closing_note();
   };
-  EXPECT_NE(note(2, 2).find("diffusion limited"), std::string::npos);
-  EXPECT_NE(note(2, 2).find("max_sweeps = 2"), std::string::npos);
-  EXPECT_EQ(note(2, sbdf_max_sweeps), "");
-  EXPECT_EQ(note(1, 2), "") << "in one dimension all cells are coupled instead";
+  EXPECT_NE(note(ManyInert{}, 2, 2).find("diffusion limited"), std::string::npos);
+  EXPECT_NE(note(ManyInert{}, 2, 2).find("max_sweeps = 2"), std::string::npos);
+  EXPECT_EQ(note(Inert{}, 2, sbdf_max_sweeps), "");
+  EXPECT_EQ(note(Inert{}, 1, 2), "") << "in one dimension all cells are coupled instead";
+  EXPECT_EQ(note(Inert{}, 2, sbdf_max_sweeps, 1e4, 0.01), "") << "corrections on coarser grids bear any stiffness";
+  EXPECT_NE(note(ManyInert{}, 2, sbdf_max_sweeps, 1e4, 0.01).find("diffusion limited"), std::string::npos)
+      << "there are none for so many species";
 }
 
 TEST(Sbdf, ASpeciesThatBeginsAtZeroDoesNotStopTheRun) {

@@ -15,6 +15,7 @@
 #include "stiffront/control/sbdf_wavefront.hpp"
 #include "stiffront/mesh/halo_exchange.hpp"
 #include "stiffront/solvers/model_kernels.hpp"
+#include "stiffront/solvers/plane_correction.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
 #include "stiffront/space/coupled_rhs.hpp"
 #include "stiffront/space/diffusion_operator.hpp"
@@ -84,7 +85,7 @@ class Sbdf final : public Method {
   /// What a step is made of, fixed before the first sweep.
   struct Step {
     int order = 1;
-    int sweeps = 1;             ///< 0: Newton iterations on the line
+    int sweeps = 1;          ///< 0: Newton iterations on the line, corrections on coarser grids in the plane
     std::size_t points = 1;  ///< of the predictor
     double gamma = 0.0;
     double error_factor = 0.0;  ///< local error per difference to the predictor
@@ -110,7 +111,7 @@ class Sbdf final : public Method {
 
   /// How a step deals with diffusion, and at what price in sweeps.
   struct Treatment {
-    int sweeps = 0;  ///< 0: Newton iterations on the line
+    int sweeps = 0;  ///< 0: Newton iterations on the line, corrections on coarser grids in the plane
     double cost = 0.0;
   };
   Treatment treatment(int order, double dt) const;
@@ -131,6 +132,8 @@ class Sbdf final : public Method {
   void add_errors(Made& made, const Field& u_new, const BdfPredictors& predictors, bool tested, const FreeBox& box);
   std::span<const double> shifts_of(const Step& step) const;
   void sweep(const Step& step, double t_new, const Field& v, Field& out, double shift);
+  void correct_plane(const Step& step, double t_new, Field& v, bool is_first);
+  void count_work(const Step& step, Work& work) const;
   void iterate_line(const Step& step, double t_new, const Field& v, Field& out, double c);
   Field& ring(std::size_t i) { return history_[(newest_ + i) % history_.size()]; }
   const Field& ring(std::size_t i) const { return history_[(newest_ + i) % history_.size()]; }
@@ -141,7 +144,9 @@ class Sbdf final : public Method {
   SbdfOptions options_;
   const ModelKernels* model_;
   std::unique_ptr<SbdfKernel> kernel_;
-  std::unique_ptr<SbdfLine> line_;  ///< made when it is first needed
+  std::unique_ptr<SbdfLine> line_;  ///< these three are made when they are first needed
+  std::unique_ptr<SbdfEquations> equations_;
+  std::unique_ptr<PlaneCorrection> plane_;
   HaloExchange halo_;
   FreeBox free_;
   FreeBox interior_;

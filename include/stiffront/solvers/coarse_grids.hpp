@@ -14,7 +14,12 @@ namespace stiffront {
 ///     -u''(i) = (lower_i + upper_i) u_i - lower_i u_{i-1} - upper_i u_{i+1},
 ///
 /// mirrored at Neumann ends (where one of the two is zero), and the ways to and from the next coarser line, which has every second
-/// point and the last one. Known to every rank in full.
+/// point. Known to every rank in full.
+///
+/// A last point without a partner would leave a short interval, on every next line a shorter part of the others, coupled so strongly
+/// that cell-Jacobi steps damp nothing along it. So an odd last point next to a Neumann side stays only if the side would else be far
+/// off, an even one of a period only if the interval to the first is no shorter than the others; points that go belong to their nearest
+/// neighbour. Lengths are shared out accordingly, and what flows from one point to the next is lost nowhere.
 struct GridLine {
   /// n equidistant points at distance 1.
   GridLine(int n, bool periodic, bool fixed_lower, bool fixed_upper);
@@ -35,6 +40,7 @@ struct GridLine {
   bool periodic;
   bool fixed_lower, fixed_upper;  ///< Dirichlet ends, which stay on all levels
   double period;
+  double beyond = 0.0;  ///< from the last point to an upper Neumann side
   std::vector<double> position;
   std::vector<double> lower, upper;
   std::vector<double> share;  ///< of every point in the length
@@ -47,6 +53,10 @@ struct GridLine {
 
  private:
   GridLine() = default;
+  /// From point i - 1 to point i, around a period; zero beyond other ends.
+  double interval_before(std::size_t i) const;
+  void share_length();
+  /// The coefficients, from positions and lengths.
   void differentiate();
 };
 

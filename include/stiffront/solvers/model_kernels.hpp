@@ -14,6 +14,7 @@
 #include "stiffront/solvers/model_transport.hpp"
 #include "stiffront/solvers/node_sweep.hpp"
 #include "stiffront/solvers/radau5.hpp"
+#include "stiffront/solvers/sbdf_equations.hpp"
 #include "stiffront/solvers/sbdf_kernel.hpp"
 #include "stiffront/solvers/sbdf_line.hpp"
 #include "stiffront/solvers/spectral_bound.hpp"
@@ -38,6 +39,8 @@ class ModelKernels : public ReactionTerm {
   virtual std::unique_ptr<NodeSweepKernel> make_node_sweep() const = 0;
   /// Newton iterations of sbdf on lines. @pre the grid has one dimension
   virtual std::unique_ptr<SbdfLine> make_sbdf_line(const Decomposition& decomposition) const = 0;
+  /// What its corrections on coarser grids need. @pre the grid has two dimensions
+  virtual std::unique_ptr<SbdfEquations> make_sbdf_equations() const = 0;
 };
 
 template <Model M>
@@ -78,6 +81,7 @@ class ModelKernelsOf final : public ModelKernels {
   std::unique_ptr<SbdfLine> make_sbdf_line(const Decomposition& decomposition) const override {
     return std::make_unique<SbdfLineOf<M>>(model_, decomposition);
   }
+  std::unique_ptr<SbdfEquations> make_sbdf_equations() const override { return std::make_unique<SbdfEquationsOf<M>>(model_); }
 
   void initialise(const std::string& profile, Field& u) const override {
     for (const Profile<M>& p : M::profiles) {
