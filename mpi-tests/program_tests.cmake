@@ -76,6 +76,9 @@ restart_test(sdc-strang bz-1d 5 method.name=sdc method.splitting=strang method.t
 same_bits_test(sdc-diagonal bz-1d "${lines}" method.name=sdc method.splitting=diagonal method.tolerance=1e-9 time.end=5e-3)
 same_bits_test(sdc-diagonal-2d bz-2d-spiral "${boxes}" "grid.points=[67, 61]" method.name=sdc method.splitting=diagonal method.step=1e-3 time.end=0.01)
 restart_test(sdc-diagonal bz-1d 11 method.name=sdc method.splitting=diagonal method.tolerance=1e-9 time.end=5e-3)
+# What auto takes is decided by the case alone.
+same_bits_test(auto bz-1d "${lines}" "method={name=\"auto\", tolerance=1e-12}" time.end=2e-3)
+restart_test(auto bz-1d 11 "method={name=\"auto\", tolerance=1e-12}" time.end=2e-3)
 # Models with first derivatives.
 same_bits_test(sdc-chemotaxis angiogenesis-chemotaxis-1d "${lines}" "grid.points=[101]" method.step=0.01 time.end=0.05)
 same_bits_test(cvode-chemotaxis angiogenesis-chemotaxis-1d "${lines}" "grid.points=[101]" "method={name=\"cvode\"}" time.end=0.05)

@@ -31,7 +31,7 @@ ErrorRecord::ErrorRecord(const MethodOptions& method) {
   if (const auto* strang = std::get_if<AdaptiveStrangOptions>(&method)) tolerance_ = strang->tolerance;
   if (const auto* dcs = std::get_if<DcsOptions>(&method)) tolerance_ = dcs->tolerance.value_or(0.0);
   if (const auto* sbdf = std::get_if<SbdfOptions>(&method)) unit_ = tolerance_ = sbdf_step_tolerance(sbdf->relative_tolerance);
-  if (const auto* automatic = std::get_if<AutoOptions>(&method)) unit_ = tolerance_ = sbdf_step_tolerance(0.3 * automatic->tolerance);
+  if (const auto* sdc = std::get_if<SdcOptions>(&method); sdc != nullptr && sdc->splitting == SdcSplitting::diagonal) tolerance_ = sdc->tolerance.value_or(0.0);
   if (const auto* cvode = std::get_if<CvodeOptions>(&method)) unit_ = tolerance_ = cvode->relative_tolerance;
 }
 

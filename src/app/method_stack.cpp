@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "cost_model.hpp"
 #include "sdc_defaults.hpp"
 #include "stiffront/control/adaptive_strang.hpp"
 #include "stiffront/control/cvode.hpp"
@@ -94,6 +95,7 @@ MethodStack::MethodStack(const Case& c, Problem& problem, Purpose purpose) : pur
   if (c.space.quadrature_order.value_or(c.space.order) != c.space.order && !std::holds_alternative<DcsOptions>(c.method)) {
     throw Error(ErrorKind::input, fmt::format("{}: space.quadrature_order: only the method \"dcs\" has a quadrature; leave it out", c.file));
   }
+  chosen_ = c.method;
   std::visit([&](const auto& options) { make(c, options, problem); }, c.method);
 }
 
@@ -238,22 +240,21 @@ void MethodStack::make(const Case&, const CvodeOptions& o, Problem& problem) {
 }
 
 void MethodStack::make(const Case& c, const AutoOptions& o, Problem& problem) {
+  AutoChoice choice;
   if (c.space.order == 8 || problem.transport) {
-    // sbdf has no differences of that order, and no first derivatives.
+    // sbdf and sdc with parallel nodes have no differences of that order, and no first derivatives.
     CvodeOptions cvode;
     cvode.relative_tolerance = 0.01 * o.tolerance;  // of a step: the run accumulates them
-    choice_ = fmt::format("method auto: cvode with relative_tolerance = {:.3g}", cvode.relative_tolerance);
     cvode.linear_solver = LinearSolver::gmres;
-    make(c, cvode, problem);
-    return;
+    choice.reason = fmt::format("method auto: cvode with relative_tolerance = {:.3g}: the others have no {}", cvode.relative_tolerance,
+                                problem.transport ? "first derivatives" : "differences of order 8");
+    choice.method = std::move(cvode);
+  } else {
+    choice = choose_method({o.tolerance, c.time.end - c.time.start, problem.diffusion.spectral_radius(), c.grid.dimension(), problem.model->n_species()});
   }
-  // Fixed constants only: the choice, and with it every bit, is the same on every machine. Measured over the built-in models, sbdf is the
-  // fastest method at every tolerance; its global error exceeds the tolerance per step by the accumulation over the run, for which a
-  // factor of three is kept.
-  stiffront::SbdfOptions k;
-  k.relative_tolerance = 0.3 * o.tolerance;
-  choice_ = fmt::format("method auto: sbdf with relative_tolerance = {:.3g}", k.relative_tolerance);
-  method_ = std::make_unique<Sbdf>(problem.state, problem.rhs, *problem.model, std::move(k));
+  choice_ = std::move(choice.reason);
+  chosen_ = std::move(choice.method);
+  std::visit([&](const auto& options) { make(c, options, problem); }, chosen_);
 }
 
 void MethodStack::add_seconds(PhaseSeconds& phases) const {

@@ -128,8 +128,9 @@ class RunMemory {
 /// Everything that watches a run. Root's clock and files, and every rank's signals, become requests that all ranks obey together.
 class RunObserver final : public Observer {
  public:
-  RunObserver(const Case& c, const Problem& problem, Output& output, ProgressLine& progress, RunMemory& memory, Watchdog& watchdog)
-      : errors(c.method), case_(&c), comm_(&problem.comm), output_(&output), progress_(&progress), memory_(&memory), watchdog_(&watchdog),
+  RunObserver(const Case& c, const MethodOptions& method, const Problem& problem, Output& output, ProgressLine& progress, RunMemory& memory,
+              Watchdog& watchdog)
+      : errors(method), case_(&c), comm_(&problem.comm), output_(&output), progress_(&progress), memory_(&memory), watchdog_(&watchdog),
         files_(c.output.directory) {}
 
   std::uint64_t requests() override {
@@ -338,7 +339,7 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   }
   ProgressLine progress_line(speaks, options.progress, stdout, c.time.start, c.time.end);
   progress_line.begin(progress.t);
-  RunObserver observer(c, problem, output, progress_line, memory, watchdog);
+  RunObserver observer(c, stack.chosen(), problem, output, progress_line, memory, watchdog);
 
   const double began = wall_seconds();
   const double output_before = output.seconds();
@@ -376,6 +377,7 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   summary.title = c.title;
   summary.model = c.model.name;
   summary.method = method_name(c.method);
+  summary.choice = stack.choice();
   summary.grid = problem.grid;
   summary.time = progress.t;
   summary.accepted = progress.accepted;

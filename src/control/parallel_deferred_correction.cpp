@@ -22,9 +22,6 @@ using Options = ParallelDeferredCorrectionOptions;
 // Below this, in the relative norm, a change is round-off.
 constexpr double round_off_floor = 1e-15;
 
-// Largest dT rho of adaptive steps, rho being the spectral radius of the diffusion: scanned, see docs/sdc.md.
-constexpr double stable_z = 3.2;
-
 Options checked(Options o) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorKind::input, message); };
   if (o.node_count < 2 || o.node_count > max_parallel_nodes) {

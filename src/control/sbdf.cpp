@@ -27,10 +27,8 @@ std::span<const double> line_factors(int space_order) {
   return std::span<const double>(factors).first(space_order == 2 ? 1 : 2);
 }
 
-/// What such an iteration costs in sweeps (measured; see docs/sbdf.md). Constants, so that the choice is the same
-/// everywhere.
-double line_cost(int n_species) { return std::min(3.0 + 10.0 * n_species, 35.0); }
-/// The same of a step with corrections on coarser grids in two dimensions, its sweeps included.
+/// What a step with corrections on coarser grids in two dimensions costs in sweeps, its sweeps included (measured; see docs/sbdf.md).
+/// Constants, so that the choice is the same everywhere.
 double plane_cost(int n_species) { return 25.0 + 5.0 * n_species; }
 
 SbdfOptions checked(SbdfOptions o, int n_species) {
@@ -66,6 +64,8 @@ SbdfOptions checked(SbdfOptions o, int n_species) {
 }
 
 }  // namespace
+
+double sbdf_line_cost(int n_species) { return std::min(3.0 + 10.0 * n_species, 35.0); }
 
 double sbdf_step_tolerance(double relative_tolerance) {
   constexpr double loosest = 3e-3;
@@ -144,7 +144,7 @@ Sbdf::Treatment Sbdf::treatment(int order, double dt) const {
   }
   if (diffusion_->dimension() == 1) {
     const double passes = static_cast<double>(line_factors(diffusion_->order()).size());
-    const double cost = passes * line_cost(diffusion_->n_species());
+    const double cost = passes * sbdf_line_cost(diffusion_->n_species());
     if (cost < best.cost || longest < dt) best = {0, cost};
   } else if (diffusion_->n_species() <= plane_correction_species) {
     const double cost = plane_cost(diffusion_->n_species());

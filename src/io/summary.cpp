@@ -68,6 +68,7 @@ std::string summary_json(const Summary& s) {
   if (!s.title.empty()) j["title"] = s.title;
   j["model"] = s.model;
   j["method"] = s.method;
+  if (!s.choice.empty()) j["choice"] = s.choice;
   j["grid"] = grid(s);
   j["time"] = number(s.time);
   j["steps"]["accepted"] = s.accepted;

@@ -36,7 +36,9 @@ class MethodStack {
   void add_seconds(PhaseSeconds& phases) const;
   /// What balancing the reaction has done; nothing if there is no reaction flow or it does not balance. @mpi collective
   std::optional<BalanceCounts> balance() { return reaction_ ? reaction_->balance() : std::nullopt; }
-  /// A sentence for the log when the method was chosen by the program; otherwise empty.
+  /// The method's options: those of the case, unless the program chose.
+  const MethodOptions& chosen() const { return chosen_; }
+  /// A sentence for the log and the summary when the method was chosen by the program; otherwise empty.
   const std::string& choice() const { return choice_; }
 
  private:
@@ -63,6 +65,7 @@ class MethodStack {
   std::unique_ptr<StepPropagator> propagator_;               // sdc with a composition of flows
   std::unique_ptr<Method> method_;
   DeferredCorrection* deferred_correction_ = nullptr;
+  MethodOptions chosen_;
   std::string choice_;
 };
 

@@ -44,6 +44,9 @@ struct ParallelDeferredCorrectionOptions {
 ///      J. Sci. Comput. 47(1), 2025
 class ParallelDeferredCorrection final : public Method {
  public:
+  /// Largest dT rho of adaptive steps, rho being the spectral radius of the diffusion: scanned, see docs/sdc.md.
+  static constexpr double stable_z = 3.2;
+
   /// @throws Error(input) for options out of range
   ParallelDeferredCorrection(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, ParallelDeferredCorrectionOptions options);
 

@@ -40,6 +40,10 @@ struct SbdfOptions {
 /// an excitable medium may turn negative by enough to be unstable there (bz does so on coarse grids).
 double sbdf_step_tolerance(double relative_tolerance);
 
+/// What a Newton iteration that couples the cells of a line costs in sweeps (measured; see docs/sbdf.md). Constants, so that the choice is the
+/// same everywhere.
+double sbdf_line_cost(int n_species);
+
 /// Backward differentiation of variable order 1..5 and variable step for u' = D Laplacian(u) + rates(t, u), solved by
 /// sweeps that never couple cells implicitly.
 ///

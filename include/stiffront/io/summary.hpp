@@ -21,6 +21,7 @@ struct Summary {
   std::string title;            ///< left out if empty
   std::string model;
   std::string method;
+  std::string choice;           ///< what the method "auto" took and why; left out if empty
   Grid grid;
   double time = 0.0;            ///< reached
   std::int64_t accepted = 0;
