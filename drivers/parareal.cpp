@@ -4,6 +4,8 @@
 // propagator, parallel in space and in time; docs/dcs.md.
 //
 //   mpirun -n 4 parareal bz-1d time.start=0 time.end=0.04 --groups 4 --intervals 8 --coarse-step 1e-3 --fine-step 2e-5 --iterations 4
+#include "stiffront/control/parareal.hpp"
+
 #include <fmt/format.h>
 #include <mpi.h>
 
@@ -19,7 +21,6 @@
 #include "stiffront/app/method_stack.hpp"
 #include "stiffront/app/problem.hpp"
 #include "stiffront/control/evolve.hpp"
-#include "stiffront/control/parareal.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/solvers/model_registry.hpp"
 
@@ -126,8 +127,8 @@ int run(const Options& o, const Communicator& world) {
   fine_seconds = world.max(fine_seconds);
   coarse_seconds = world.max(coarse_seconds);
   if (world.is_root()) {
-    fmt::print("{} groups of {} processes, {} intervals of {:g}; one after the other: coarse {:.3g} s, fine {:.3g} s\n", o.groups, ranks_in_space,
-               o.intervals, dt, coarse_seconds, fine_seconds);
+    fmt::print("{} groups of {} processes, {} intervals of {:g}; one after the other: coarse {:.3g} s, fine {:.3g} s\n", o.groups,
+               ranks_in_space, o.intervals, dt, coarse_seconds, fine_seconds);
     fmt::print("{:>10} {:>12} {:>12} {:>9} {:>9} {:>9}\n", "iteration", "change", "error", "seconds", "speed-up", "model");
   }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stiffront/control/adaptive_strang.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "stiffront/control/adaptive_strang.hpp"
 #include "stiffront/control/evolve.hpp"
 #include "stiffront/model/builtin/bz.hpp"
 #include "stiffront/solvers/model_kernels.hpp"

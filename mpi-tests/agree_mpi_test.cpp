@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stiffront/core/agree.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "stiffront/core/agree.hpp"
 #include "stiffront/core/error.hpp"
 
 namespace stiffront {
@@ -71,8 +70,8 @@ TEST_F(AgreeMpiTest, OfTwoErrorsTheLowestRanksIsThrown) {
 }
 
 TEST_F(AgreeMpiTest, EveryRankMayFailAtOnce) {
-  expect_error(world, [&] { throw Error(ErrorKind::numerics, "from rank " + std::to_string(world.rank())); }, ErrorKind::numerics,
-               "from rank 0");
+  expect_error(
+      world, [&] { throw Error(ErrorKind::numerics, "from rank " + std::to_string(world.rank())); }, ErrorKind::numerics, "from rank 0");
 }
 
 TEST_F(AgreeMpiTest, LongMessagesArriveWhole) {
@@ -218,7 +217,8 @@ TEST_F(AgreeMpiTest, CommunicatorsSideBySideAgreeOnTheirOwn) {
     a.sums[0].add(colour == 0 ? 1.0 : 100.0);
     a.maxima[0] = colour + 1.0;
     if (colour == 1) {
-      expect_error(mine, [&] { throw Error(ErrorKind::input, "odd ranks only"); }, ErrorKind::input, "odd ranks only");
+      expect_error(
+          mine, [&] { throw Error(ErrorKind::input, "odd ranks only"); }, ErrorKind::input, "odd ranks only");
     }
     mine.agree(a);
     EXPECT_EQ(a.sums[0].value(), (colour == 0 ? 1.0 : 100.0) * mine.size());

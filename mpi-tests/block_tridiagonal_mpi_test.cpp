@@ -64,8 +64,8 @@ void compare(int n, bool periodic) {
     for (std::size_t block = 0; block < 3 * m; ++block) {
       for (std::size_t i = 0; i < n_mine; ++i) {
         ASSERT_EQ(got[block * n_mine + i], expected[block * static_cast<std::size_t>(n) + offset + i])
-            << n << " points, m = " << m << (periodic ? ", ring" : ", line") << ", gathered at " << gather_at_most
-            << ", array " << block << ", point " << offset + i;
+            << n << " points, m = " << m << (periodic ? ", ring" : ", line") << ", gathered at " << gather_at_most << ", array " << block
+            << ", point " << offset + i;
       }
     }
   }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stiffront/app/case_source.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <fstream>
 
+#include "stiffront/app/case_source.hpp"
 #include "stiffront/core/error.hpp"
 
 namespace stiffront::app {
@@ -14,8 +13,8 @@ namespace {
 TEST(CaseSourceMpi, RootAloneReadsAndEveryRankHasItsBytes) {
   const Communicator comm(MPI_COMM_WORLD);
   // Each rank names a file of its own: only root's is there.
-  const std::string name = ::testing::TempDir() + "/case_source_" + std::to_string(comm.size()) + "_" +
-                           std::to_string(comm.rank()) + ".toml";
+  const std::string name =
+      ::testing::TempDir() + "/case_source_" + std::to_string(comm.size()) + "_" + std::to_string(comm.rank()) + ".toml";
   const std::string text = "title = \"of root\"\n" + std::string(100000, '#') + "\n";
   if (comm.is_root()) std::ofstream(name) << text;
   EXPECT_EQ(read_case_source(name, {}, comm).text, text);

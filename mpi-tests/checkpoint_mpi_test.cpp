@@ -38,7 +38,11 @@ struct Memory {
       u.at(0, 0) = -0.0;
       u.at(1, 0) = std::numeric_limits<double>::denorm_min();
     }
-    numbers = {0.1 + seed, -0.0, std::nextafter(1.0, 2.0), std::numeric_limits<double>::infinity(), 1e-310,
+    numbers = {0.1 + seed,
+               -0.0,
+               std::nextafter(1.0, 2.0),
+               std::numeric_limits<double>::infinity(),
+               1e-310,
                std::numeric_limits<double>::quiet_NaN()};
     count = (std::int64_t{1} << 52) + seed;
     progress = {17 + seed, 3, 0.1 * seed, 1e-3, 0.0};
@@ -59,7 +63,8 @@ struct Memory {
   bool holds(int seed) {
     Memory expected(decomposition.comm(), decomposition.grid(), decomposition.processes());
     expected.fill(seed);
-    bool same = count == expected.count && numbers.size() == expected.numbers.size() && empty.empty() && cells.size() == expected.cells.size();
+    bool same =
+        count == expected.count && numbers.size() == expected.numbers.size() && empty.empty() && cells.size() == expected.cells.size();
     for (std::size_t n = 0; same && n < numbers.size(); ++n) same = bits(numbers[n]) == bits(expected.numbers[n]);
     for (std::size_t n = 0; same && n < cells.size(); ++n) same = bits(cells[n]) == bits(expected.cells[n]);
     for (const auto& [mine, other] : {std::pair<Field*, Field*>{&u, &expected.u}, {&history, &expected.history}}) {
@@ -200,7 +205,7 @@ TEST_F(CheckpointTest, AChangedByteAnywhereIsNoticedAndTheOlderCheckpointTaken) 
     const std::string whole = content_of(file(20, name));
     ASSERT_GT(whole.size(), 100U);
     const std::size_t stride = std::max<std::size_t>(1, whole.size() / 23);
-    for (std::size_t at = 0; at < whole.size(); at += at + 40 > whole.size() ? 1 : stride) {
+    for (std::size_t at = 0; at<whole.size(); at += at + 40> whole.size() ? 1 : stride) {
       comm_.barrier();
       if (comm_.is_root()) {
         std::string changed = whole;

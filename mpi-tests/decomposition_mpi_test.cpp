@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stiffront/mesh/decomposition.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "stiffront/core/error.hpp"
+#include "stiffront/mesh/decomposition.hpp"
 #include "support/grids.hpp"
 
 namespace stiffront {

@@ -78,10 +78,9 @@ void expect_filled(const Arrangement& a, const Field& u, int field) {
         const int out_y = j < 0 ? -j : j - (u.n_y() - 1);
         const bool corner = outside(i, u.n_x()) && outside(j, u.n_y());
         const bool in_halo = outside(i, u.n_x()) || outside(j, u.n_y());
-        const bool beyond_dirichlet = (gi < 0 && a.x[0] == BoundaryKind::dirichlet) ||
-                                      (gi >= a.grid.points[0] && a.x[1] == BoundaryKind::dirichlet) ||
-                                      (gj < 0 && a.y[0] == BoundaryKind::dirichlet) ||
-                                      (gj >= a.grid.points[1] && a.y[1] == BoundaryKind::dirichlet);
+        const bool beyond_dirichlet =
+            (gi < 0 && a.x[0] == BoundaryKind::dirichlet) || (gi >= a.grid.points[0] && a.x[1] == BoundaryKind::dirichlet) ||
+            (gj < 0 && a.y[0] == BoundaryKind::dirichlet) || (gj >= a.grid.points[1] && a.y[1] == BoundaryKind::dirichlet);
         double expected = mark(field, s, image(gi, a.grid.points[0], a.x), image(gj, a.grid.points[1], a.y));
         if (in_halo) {
           if (!exchanged || out_x > a.width || out_y > a.width) {
@@ -233,7 +232,8 @@ TEST_P(HaloMpiTest, TooNarrowBoxesAreAnInputErrorOnEveryRank) {
 }
 
 TEST_P(HaloMpiTest, HalosChangeInFinishAndNotBefore) {
-  const Arrangement a{testing::unit_grid(23, 17, testing::periodic, testing::mixed), testing::periodic, testing::mixed, {0, 0}, 2, 2, 1, {}, true};
+  const Arrangement a{
+      testing::unit_grid(23, 17, testing::periodic, testing::mixed), testing::periodic, testing::mixed, {0, 0}, 2, 2, 1, {}, true};
   const Decomposition d(world, a.grid, a.processes, a.width);
   const Boundary boundary = testing::boundary_of(a.x, a.y, 2, testing::zero);
   HaloExchange halo(d, boundary, 2, 1, a.width, {}, true);
@@ -255,7 +255,8 @@ TEST_P(HaloMpiTest, HalosChangeInFinishAndNotBefore) {
 }
 
 TEST_P(HaloMpiTest, MisuseIsAnErrorAndLeavesTheExchangeUsable) {
-  const Arrangement a{testing::unit_grid(23, 17, testing::neumann, testing::periodic), testing::neumann, testing::periodic, {0, 0}, 2, 2, 1, {}, false};
+  const Arrangement a{
+      testing::unit_grid(23, 17, testing::neumann, testing::periodic), testing::neumann, testing::periodic, {0, 0}, 2, 2, 1, {}, false};
   const Decomposition d(world, a.grid, a.processes, a.width);
   const Boundary boundary = testing::boundary_of(a.x, a.y, 2, testing::zero);
   HaloExchange halo(d, boundary, 2, 1, a.width);
@@ -303,7 +304,8 @@ TEST_P(HaloMpiTest, SimulationsSideBySideDoNotHearEachOther) {
     const Communicator mine(half);
     const Communicator again(half);
     const Sides& x = colour == 0 ? testing::periodic : testing::neumann;
-    const Arrangement a{testing::unit_grid(19 + colour, 15, x, testing::periodic), x, testing::periodic, {0, 0}, 2, 1 + colour, 1, {}, true};
+    const Arrangement a{
+        testing::unit_grid(19 + colour, 15, x, testing::periodic), x, testing::periodic, {0, 0}, 2, 1 + colour, 1, {}, true};
     const Decomposition d1(mine, a.grid, a.processes, a.width);
     const Decomposition d2(again, a.grid, a.processes, a.width);
     const Boundary boundary = testing::boundary_of(a.x, a.y, a.n_species, testing::zero);

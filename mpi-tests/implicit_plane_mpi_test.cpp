@@ -54,12 +54,13 @@ TEST(ImplicitPlaneTest, SolutionsHaveTheSameBitsOnEveryLayout) {
             for (int s = 0; s < 2; ++s) {
               for (int j = 0; j < found.n_y(); ++j) {
                 for (int i = 0; i < found.n_x(); ++i) {
-                  if (found.at(s, i, j) != expected.at(s, static_cast<int>(shared.offset_x()) + i, static_cast<int>(shared.offset_y()) + j)) ++different;
+                  if (found.at(s, i, j) != expected.at(s, static_cast<int>(shared.offset_x()) + i, static_cast<int>(shared.offset_y()) + j))
+                    ++different;
                 }
               }
             }
-            EXPECT_EQ(different, 0) << testing::name_of(x) << " x " << testing::name_of(y) << ", " << n_x << " x " << n_y << " points on " << px << " x "
-                                    << world.size() / px << " ranks, tolerance " << tolerance;
+            EXPECT_EQ(different, 0) << testing::name_of(x) << " x " << testing::name_of(y) << ", " << n_x << " x " << n_y << " points on "
+                                    << px << " x " << world.size() / px << " ranks, tolerance " << tolerance;
           }
         }
       }

@@ -216,13 +216,16 @@ double interpolation_error(const Communicator& comm, const Communicator& self, c
 }
 
 TEST_F(IoTest, InterpolationBetweenGridsIsOfFourthOrderAndTheSameOnAnyRanks) {
-  const auto error = [&](const Grid& from, const Grid& to) { return interpolation_error(comm_, self_, folder_.file("state.h5"), from, to); };
+  const auto error = [&](const Grid& from, const Grid& to) {
+    return interpolation_error(comm_, self_, folder_.file("state.h5"), from, to);
+  };
   for (const bool periodic : {false, true}) {
     EXPECT_GT(error(unit_grid(21, 1, periodic), unit_grid(57, 1)) / error(unit_grid(41, 1, periodic), unit_grid(57, 1)), 12.0);
-    EXPECT_GT(error(unit_grid(21, 25, periodic), unit_grid(34, 57, periodic)) / error(unit_grid(42, 50, periodic), unit_grid(34, 57, periodic)),
-              12.0);
+    EXPECT_GT(
+        error(unit_grid(21, 25, periodic), unit_grid(34, 57, periodic)) / error(unit_grid(42, 50, periodic), unit_grid(34, 57, periodic)),
+        12.0);
   }
-  EXPECT_LT(error(unit_grid(65, 1), unit_grid(33, 1)), 1e-15);  // every other point
+  EXPECT_LT(error(unit_grid(65, 1), unit_grid(33, 1)), 1e-15);        // every other point
   EXPECT_LT(error(unit_grid(64, 1, true), unit_grid(33, 1)), 1e-15);  // the end point comes from the other end
 }
 
@@ -295,7 +298,9 @@ TEST_F(IoTest, AWriteThatFailsLeavesTheOldFileAndNoPart) {
 
 TEST_F(IoTest, ASpeciesMayNotBeCalledLikeACoordinate) {
   const Problem problem(comm_, unit_grid(40, 1));
-  const auto error = error_of([&] { write_state(folder_.file("s.h5"), {0.0, 0, false, {"x", "v"}, ""}, problem.boundary, problem.rough()); });
+  const auto error = error_of([&] {
+    write_state(folder_.file("s.h5"), {0.0, 0, false, {"x", "v"}, ""}, problem.boundary, problem.rough());
+  });
   ASSERT_TRUE(error);
   EXPECT_EQ(error->kind(), ErrorKind::input);
 }
@@ -456,9 +461,8 @@ Output::Options some_options() {
   return options;
 }
 
-const std::vector<std::string> expected_names{"fields-000000.h5",   "fields-000001-1.h5", "fields-000001.h5",
-                                              "fields-000002-1.h5", "fields-000002.h5",   "fields-000003.h5",
-                                              "fields-000004.h5"};
+const std::vector<std::string> expected_names{"fields-000000.h5", "fields-000001-1.h5", "fields-000001.h5", "fields-000002-1.h5",
+                                              "fields-000002.h5", "fields-000003.h5",   "fields-000004.h5"};
 const std::vector<double> expected_times{0.0, 0.1, 0.2, 0.3, 0.5, 0.6, 1.0};
 
 std::string checksum_of_file(const Communicator& self, const std::string& path) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stiffront/core/node_memory.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <cstring>
 
 #include "stiffront/core/mpi.hpp"
+#include "stiffront/core/node_memory.hpp"
 
 namespace stiffront {
 namespace {
@@ -46,7 +45,8 @@ TEST(NodeMemoryMpiTest, WithMoreRanksThanMayShareNobodyGetsAny) {
 Agreement example(int rank, int n_sums, int n_maxima) {
   Agreement a(n_sums, n_maxima);
   for (int k = 0; k < n_sums; ++k) {
-    for (int n = 0; n < 5; ++n) a.sums[static_cast<std::size_t>(k)].add(std::ldexp(1.0 + 0.1 * rank + 0.01 * n, 60 * ((rank + k) % 3) - 70));
+    for (int n = 0; n < 5; ++n)
+      a.sums[static_cast<std::size_t>(k)].add(std::ldexp(1.0 + 0.1 * rank + 0.01 * n, 60 * ((rank + k) % 3) - 70));
   }
   for (int k = 0; k < n_maxima; ++k) a.maxima[static_cast<std::size_t>(k)] = (7 * rank + 3 * k) % 11;
   a.flags = std::uint64_t{1} << rank;

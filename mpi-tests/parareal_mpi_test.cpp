@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stiffront/control/parareal.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "stiffront/control/parareal.hpp"
 #include "stiffront/mesh/field_algebra.hpp"
 #include "support/diffusion_problem.hpp"
 

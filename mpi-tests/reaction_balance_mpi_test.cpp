@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stiffront/splitting/reaction_balance.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "stiffront/model/builtin/bz.hpp"
 #include "stiffront/solvers/cvode_cells.hpp"
 #include "stiffront/solvers/model_kernels.hpp"
+#include "stiffront/splitting/reaction_balance.hpp"
 #include "stiffront/splitting/reaction_flow.hpp"
 #include "support/diffusion_problem.hpp"
 
@@ -37,8 +36,7 @@ double excited_corner(int s, double x, double y) {
 
 /// One state, its hints and its costs, under one solver.
 struct Cells {
-  explicit Cells(const DiffusionProblem& p)
-      : from(p.field(excited_corner)), to(from.similar()), hint(size(p), 0.0), cost(size(p), 0.0F) {}
+  explicit Cells(const DiffusionProblem& p) : from(p.field(excited_corner)), to(from.similar()), hint(size(p), 0.0), cost(size(p), 0.0F) {}
   static std::size_t size(const DiffusionProblem& p) {
     return static_cast<std::size_t>(p.decomposition.n_x()) * static_cast<std::size_t>(p.decomposition.n_y());
   }

@@ -106,11 +106,11 @@ TEST_P(Rock4OnManyRanksTest, FieldsStepsAndCountsHaveTheBitsOfOneRankOnEveryLayo
         EXPECT_EQ(found.work.halo_exchanges, expected.work.halo_exchanges);
       }
       // Alone no halo limits the depth.
-      const int used = world.size() == 1 ? depth : std::min(depth, largest_halo_depth(part.decomposition, part.boundary, setting.order / 2));
+      const int used =
+          world.size() == 1 ? depth : std::min(depth, largest_halo_depth(part.decomposition, part.boundary, setting.order / 2));
       const std::int64_t attempts = found.work.diffusion_steps + found.work.diffusion_rejections;
       EXPECT_GE(found.work.halo_exchanges * used, found.work.diffusion_stages);
-      EXPECT_LE(found.work.halo_exchanges * used, found.work.diffusion_stages + attempts * (used - 1))
-          << "exchanges fall by the depth";
+      EXPECT_LE(found.work.halo_exchanges * used, found.work.diffusion_stages + attempts * (used - 1)) << "exchanges fall by the depth";
       EXPECT_EQ(found.step, expected.step);
       const int offset_x = static_cast<int>(part.decomposition.offset_x());
       const int offset_y = static_cast<int>(part.decomposition.offset_y());
@@ -131,17 +131,16 @@ TEST_P(Rock4OnManyRanksTest, FieldsStepsAndCountsHaveTheBitsOfOneRankOnEveryLayo
 
 INSTANTIATE_TEST_SUITE_P(
     Grids, Rock4OnManyRanksTest,
-    ::testing::Values(
-        Setting{"line_neumann_2", unit_grid(131, 1), BoundaryKind::neumann, BoundaryKind::neumann, 2},
-        Setting{"line_periodic_4", unit_grid(90, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
-        Setting{"line_dirichlet_4", unit_grid(103, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 4},
-        Setting{"narrow_line_neumann_4", unit_grid(19, 1), BoundaryKind::neumann, BoundaryKind::neumann, 4},
-        Setting{"plane_neumann_2", unit_grid(67, 61), BoundaryKind::neumann, BoundaryKind::neumann, 2},
-        Setting{"plane_periodic_4", unit_grid(66, 41, true, true), BoundaryKind::periodic, BoundaryKind::periodic, 4},
-        Setting{"plane_dirichlet_periodic_2", unit_grid(59, 40, false, true), BoundaryKind::dirichlet,
-                BoundaryKind::periodic, 2},
-        Setting{"plane_neumann_dirichlet_4", unit_grid(75, 33), BoundaryKind::neumann, BoundaryKind::dirichlet, 4},
-        Setting{"narrow_plane_neumann_4", unit_grid(17, 19), BoundaryKind::neumann, BoundaryKind::neumann, 4}),
+    ::testing::Values(Setting{"line_neumann_2", unit_grid(131, 1), BoundaryKind::neumann, BoundaryKind::neumann, 2},
+                      Setting{"line_periodic_4", unit_grid(90, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
+                      Setting{"line_dirichlet_4", unit_grid(103, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 4},
+                      Setting{"narrow_line_neumann_4", unit_grid(19, 1), BoundaryKind::neumann, BoundaryKind::neumann, 4},
+                      Setting{"plane_neumann_2", unit_grid(67, 61), BoundaryKind::neumann, BoundaryKind::neumann, 2},
+                      Setting{"plane_periodic_4", unit_grid(66, 41, true, true), BoundaryKind::periodic, BoundaryKind::periodic, 4},
+                      Setting{"plane_dirichlet_periodic_2", unit_grid(59, 40, false, true), BoundaryKind::dirichlet, BoundaryKind::periodic,
+                              2},
+                      Setting{"plane_neumann_dirichlet_4", unit_grid(75, 33), BoundaryKind::neumann, BoundaryKind::dirichlet, 4},
+                      Setting{"narrow_plane_neumann_4", unit_grid(17, 19), BoundaryKind::neumann, BoundaryKind::neumann, 4}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Rock4OnManyRanksTest, AValueThatIsNotFiniteStopsEveryRankAndIsReportedByItsOwner) {

@@ -60,15 +60,14 @@ class Recorder final : public Observer {
 };
 
 template <class M>
-Outcome run(const DiffusionProblem& p, double tolerance, const std::vector<double>& amplitude, int max_sweeps, int depth = 0, std::int64_t steps = 100,
-            bool rough = true) {
+Outcome run(const DiffusionProblem& p, double tolerance, const std::vector<double>& amplitude, int max_sweeps, int depth = 0,
+            std::int64_t steps = 100, bool rough = true) {
   ModelKernelsOf<M> model({});
   CoupledRhs rhs(p.decomposition, p.diffusion, model);
   Outcome r{p.field([&](int s, double x, double y) {
               const auto species = static_cast<std::size_t>(s);
               if (!rough) return amplitude[species] * (1.0 + 0.3 * std::cos(6.0 * x + 2.0) * std::cos(5.0 * y));
-              return amplitude[species] *
-                     (0.2 + (x + y < 0.4 ? 1.0 : 0.0) + 0.01 * scatter(std::lround(1e6 * x), std::lround(1e6 * y), s));
+              return amplitude[species] * (0.2 + (x + y < 0.4 ? 1.0 : 0.0) + 0.01 * scatter(std::lround(1e6 * x), std::lround(1e6 * y), s));
             }),
             {},
             {},
@@ -93,7 +92,7 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
   const auto value = [](double t, double x, double y) { return 0.3 + 0.1 * std::cos(9.0 * t) + 0.1 * x * y; };
   std::int64_t coupled = 0;
   const auto compare = [&]<class M>(const M&, std::vector<double> diffusion, const std::vector<double>& amplitude,
-                                            int max_sweeps = sbdf_max_sweeps, std::int64_t steps = 100, bool rough = true) {
+                                    int max_sweeps = sbdf_max_sweeps, std::int64_t steps = 100, bool rough = true) {
     const std::array<std::array<BoundarySide, 2>, 2> sides{both_sides(setting.x, M::n_species, value, true),
                                                            both_sides(setting.y, M::n_species, value, true)};
     const DiffusionProblem alone(self, setting.grid, sides, diffusion, setting.order);
@@ -101,8 +100,7 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
       const Outcome expected = run<M>(alone, tolerance, amplitude, max_sweeps, 0, steps, rough);
       coupled += expected.work.line_solves + expected.work.linear_iterations;
       if (tolerance == 1e-2 && max_sweeps > 1) {
-        EXPECT_GT(expected.work.sweeps, static_cast<std::int64_t>(expected.dt.size()))
-            << "several sweeps a step are tested";
+        EXPECT_GT(expected.work.sweeps, static_cast<std::int64_t>(expected.dt.size())) << "several sweeps a step are tested";
       }
       for (const std::array<int, 2>& layout : layouts(world.size(), setting.grid)) {
         const DiffusionProblem shared(world, setting.grid, sides, diffusion, setting.order, layout);
@@ -112,8 +110,8 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
         EXPECT_EQ(got.error, expected.error);
         // One exchange per step where a division does not cut a periodic direction in x.
         const bool served = setting.x != BoundaryKind::periodic || layout[0] == 1;
-        if (served && world.size() > 1 && got.work.line_solves + got.work.linear_iterations == 0 && got.work.sweeps > static_cast<std::int64_t>(got.dt.size()) &&
-            got.work.sweeps < 8 * static_cast<std::int64_t>(got.dt.size())) {
+        if (served && world.size() > 1 && got.work.line_solves + got.work.linear_iterations == 0 &&
+            got.work.sweeps > static_cast<std::int64_t>(got.dt.size()) && got.work.sweeps < 8 * static_cast<std::int64_t>(got.dt.size())) {
           EXPECT_LT(got.work.halo_exchanges, got.work.sweeps) << "steps of several sweeps exchange once";
         }
         EXPECT_LE(got.work.halo_exchanges, got.work.sweeps + got.work.line_solves + got.work.linear_iterations);
@@ -125,8 +123,7 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
         for (int s = 0; s < M::n_species; ++s) {
           for (int j = 0; j < got.u.n_y(); ++j) {
             for (int i = 0; i < got.u.n_x(); ++i) {
-              ASSERT_EQ(got.u.at(s, i, j),
-                        expected.u.at(s, static_cast<int>(d.offset_x()) + i, static_cast<int>(d.offset_y()) + j))
+              ASSERT_EQ(got.u.at(s, i, j), expected.u.at(s, static_cast<int>(d.offset_x()) + i, static_cast<int>(d.offset_y()) + j))
                   << s << ' ' << i << ' ' << j;
             }
           }
@@ -137,7 +134,8 @@ TEST_P(SbdfMpi, StepsAndBitsDoNotDependOnTheNumberOfRanks) {
   const bool large = setting.grid.points[0] * setting.grid.points[1] > 5000;
   if (!large) compare(Bz{}, {0.25, 0.25, 0.15}, {5.0, 0.5, 0.2});
   const std::int64_t before = coupled;
-  setting.grid.dimension == 1 ? compare(Pulse{}, {100.0, 0.0}, {1.0, 1.0}, 1, 250) : compare(Pulse{}, {3000.0, 0.0}, {1.0, 1.0}, sbdf_max_sweeps, 75, false);
+  setting.grid.dimension == 1 ? compare(Pulse{}, {100.0, 0.0}, {1.0, 1.0}, 1, 250)
+                              : compare(Pulse{}, {3000.0, 0.0}, {1.0, 1.0}, sbdf_max_sweeps, 75, false);
   EXPECT_GT(coupled, before) << "cells are coupled where diffusion is stiff";
   if (!large) compare(Pulse{}, {0.5, 0.0}, {1.0, 1.0});
 }
@@ -178,19 +176,18 @@ TEST_P(SbdfMpi, BitsDoNotDependOnTheDepth) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, SbdfMpi,
-    ::testing::Values(
-        Setting{"plane_neumann_periodic_2", unit_grid(67, 17, false, true), BoundaryKind::neumann, BoundaryKind::periodic, 2},
-        Setting{"plane_neumann_periodic_4", unit_grid(67, 33, false, true), BoundaryKind::neumann, BoundaryKind::periodic, 4},
-        Setting{"plane_periodic_neumann_2", unit_grid(33, 67, true, false), BoundaryKind::periodic, BoundaryKind::neumann, 2},
-        Setting{"line_neumann_2", unit_grid(203, 1), BoundaryKind::neumann, BoundaryKind::neumann, 2},
-        Setting{"line_dirichlet_4", unit_grid(101, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 4},
-        Setting{"line_periodic_4", unit_grid(97, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
-        Setting{"square_neumann_2", unit_grid(61, 47), BoundaryKind::neumann, BoundaryKind::neumann, 2},
-        Setting{"square_neumann_4", unit_grid(45, 52), BoundaryKind::neumann, BoundaryKind::neumann, 4},
-        Setting{"square_with_divided_coarser_grids_4", unit_grid(90, 101), BoundaryKind::neumann, BoundaryKind::neumann, 4},
-        Setting{"square_periodic_2", unit_grid(40, 37, true, true), BoundaryKind::periodic, BoundaryKind::periodic, 2},
-        Setting{"square_mixed_4", unit_grid(50, 33, false, true), BoundaryKind::dirichlet, BoundaryKind::periodic, 4},
-        Setting{"square_dirichlet_2", unit_grid(33, 50), BoundaryKind::neumann, BoundaryKind::dirichlet, 2}),
+    ::testing::Values(Setting{"plane_neumann_periodic_2", unit_grid(67, 17, false, true), BoundaryKind::neumann, BoundaryKind::periodic, 2},
+                      Setting{"plane_neumann_periodic_4", unit_grid(67, 33, false, true), BoundaryKind::neumann, BoundaryKind::periodic, 4},
+                      Setting{"plane_periodic_neumann_2", unit_grid(33, 67, true, false), BoundaryKind::periodic, BoundaryKind::neumann, 2},
+                      Setting{"line_neumann_2", unit_grid(203, 1), BoundaryKind::neumann, BoundaryKind::neumann, 2},
+                      Setting{"line_dirichlet_4", unit_grid(101, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 4},
+                      Setting{"line_periodic_4", unit_grid(97, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
+                      Setting{"square_neumann_2", unit_grid(61, 47), BoundaryKind::neumann, BoundaryKind::neumann, 2},
+                      Setting{"square_neumann_4", unit_grid(45, 52), BoundaryKind::neumann, BoundaryKind::neumann, 4},
+                      Setting{"square_with_divided_coarser_grids_4", unit_grid(90, 101), BoundaryKind::neumann, BoundaryKind::neumann, 4},
+                      Setting{"square_periodic_2", unit_grid(40, 37, true, true), BoundaryKind::periodic, BoundaryKind::periodic, 2},
+                      Setting{"square_mixed_4", unit_grid(50, 33, false, true), BoundaryKind::dirichlet, BoundaryKind::periodic, 4},
+                      Setting{"square_dirichlet_2", unit_grid(33, 50), BoundaryKind::neumann, BoundaryKind::dirichlet, 2}),
     [](const auto& parameter) { return std::string(parameter.param.name); });
 
 }  // namespace

@@ -23,8 +23,8 @@ void multiply_adds(benchmark::State& state) {
     }
     benchmark::DoNotOptimize(x);
   }
-  state.counters["flops"] = benchmark::Counter(2.0 * 64 * chains * stiffront::pack_size * static_cast<double>(state.iterations()),
-                                               benchmark::Counter::kIsRate);
+  state.counters["flops"] =
+      benchmark::Counter(2.0 * 64 * chains * stiffront::pack_size * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 BENCHMARK(multiply_adds);
 
@@ -38,8 +38,8 @@ void divisions(benchmark::State& state) {
     }
     benchmark::DoNotOptimize(x);
   }
-  state.counters["divisions"] = benchmark::Counter(64.0 * chains * stiffront::pack_size * static_cast<double>(state.iterations()),
-                                                   benchmark::Counter::kIsRate);
+  state.counters["divisions"] =
+      benchmark::Counter(64.0 * chains * stiffront::pack_size * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 BENCHMARK(divisions);
 

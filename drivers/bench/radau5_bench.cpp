@@ -27,8 +27,9 @@ struct Wave {
 template <class T>
 void react(Radau5Kernel<Bz, T>& kernel, double interval, const std::vector<double>& from, Wave& to) {
   kernel.begin(0.0, interval);
-  kernel.row({n_points, from.data(), n_points, to.u.data(), n_points, to.hint.data(), to.cost.data(), 0},
-             [](int, int) { return Place<T>{T(0.0), T(0.0), T(0.0)}; });
+  kernel.row({n_points, from.data(), n_points, to.u.data(), n_points, to.hint.data(), to.cost.data(), 0}, [](int, int) {
+    return Place<T>{T(0.0), T(0.0), T(0.0)};
+  });
   if (kernel.finish()) std::abort();
 }
 

@@ -29,7 +29,8 @@ void rock4_step(benchmark::State& state) {
     }
   }
   // A tolerance that accepts every step, so that each call is one step of the number of stages asked for.
-  Rock4 flow(decomposition, diffusion, {1.0, std::vector<double>(static_cast<std::size_t>(n_species), 1e9)}, static_cast<int>(state.range(5)));
+  Rock4 flow(decomposition, diffusion, {1.0, std::vector<double>(static_cast<std::size_t>(n_species), 1e9)},
+             static_cast<int>(state.range(5)));
   const double dt = rock4_interval(stages) * (1.0 - 1e-12) / diffusion.spectral_radius();
   const double first[] = {dt};
   Work work;
@@ -39,9 +40,8 @@ void rock4_step(benchmark::State& state) {
   }
   const double variables = static_cast<double>(u.n_x()) * u.n_y() * n_species;
   state.counters["stages"] = static_cast<double>(work.diffusion_stages) / static_cast<double>(work.diffusion_steps);
-  state.counters["ns/variable/stage"] =
-      benchmark::Counter(variables * 1e-9 * static_cast<double>(work.diffusion_stages),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["ns/variable/stage"] = benchmark::Counter(variables * 1e-9 * static_cast<double>(work.diffusion_stages),
+                                                           benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 // In cache, and out of cache.
@@ -65,9 +65,8 @@ void three_streams(benchmark::State& state) {
     for (std::size_t i = 0; i < n; ++i) a[i] = b[i] + 0.5 * a[i];
     benchmark::ClobberMemory();
   }
-  state.counters["ns/element"] =
-      benchmark::Counter(static_cast<double>(n) * 1e-9 * static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["ns/element"] = benchmark::Counter(static_cast<double>(n) * 1e-9 * static_cast<double>(state.iterations()),
+                                                    benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(three_streams)->Arg(256 * 256)->Arg(3 * 1024 * 1024)->Unit(benchmark::kMillisecond)->UseRealTime();
 

@@ -47,8 +47,8 @@ void sbdf_run(benchmark::State& state) {
     steps += progress.accepted;
   }
   state.counters["sweeps/step"] = static_cast<double>(count.sweeps) / static_cast<double>(steps);
-  state.counters["us/step"] = benchmark::Counter(1e-6 * static_cast<double>(steps),
-                                                 benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["us/step"] =
+      benchmark::Counter(1e-6 * static_cast<double>(steps), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 BENCHMARK(sbdf_run)

@@ -48,8 +48,8 @@ const std::vector<StressCase> cases = {
     {"flame10", "flame-1d", {}},
     {"flame40",
      "flame-1d",
-     {"model.parameters.Ze=40", "model.parameters.Le=0.8", "model.diffusion.fuel=1.25", "grid.upper=[10.0]",
-      "grid.points=[1001]", "time.end=0.5", "output.every=0.1"}},
+     {"model.parameters.Ze=40", "model.parameters.Le=0.8", "model.diffusion.fuel=1.25", "grid.upper=[10.0]", "grid.points=[1001]",
+      "time.end=0.5", "output.every=0.1"}},
     {"angio", "angiogenesis-1d", {}},
     {"ignite", "ignition-1d", {}},
     {"lamom20", "lambda-omega-1d", {}},
@@ -158,13 +158,11 @@ std::vector<double> reference(const StressCase& stress, const std::string& direc
     return state;
   }
   const bool plane = stress.name.find("-2d") != std::string::npos;
-  const Run r =
-      run(stress, plane ? method_overrides("cvode-gmres", 1e-10) : method_overrides("cvode-band", 1e-11), comm);
+  const Run r = run(stress, plane ? method_overrides("cvode-gmres", 1e-10) : method_overrides("cvode-band", 1e-11), comm);
   if (!r.failure.empty()) throw Error(ErrorKind::numerics, r.failure);
   std::filesystem::create_directories(directory);
   std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(r.state.data()),
-             static_cast<std::streamsize>(r.state.size() * sizeof(double)));
+      .write(reinterpret_cast<const char*>(r.state.data()), static_cast<std::streamsize>(r.state.size() * sizeof(double)));
   return r.state;
 }
 
@@ -187,8 +185,7 @@ int table(const std::vector<std::string>& arguments) {
   const Communicator comm(MPI_COMM_SELF);
   fmt::print("| model | 1e-3 | 1e-4 | 1e-5 | 1e-6 | 1e-7 | 1e-8 | seconds |\n|---|---|---|---|---|---|---|---|\n");
   for (const StressCase& stress : cases) {
-    if (arguments.size() > 2 && std::find(arguments.begin() + 2, arguments.end(), stress.name) == arguments.end())
-      continue;
+    if (arguments.size() > 2 && std::find(arguments.begin() + 2, arguments.end(), stress.name) == arguments.end()) continue;
     const std::vector<double> exact = reference(stress, arguments[0], comm);
     fmt::print("| {}", stress.name);
     std::string seconds;

@@ -71,8 +71,7 @@ void report_table() {
           after = std::max(after, std::abs(sweep_remainder(gamma, z, mu, 0.0, shifts.subspan(j))));
         }
       }
-      fmt::print("| {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.1f} | {:.2f} |\n", k, s, z, z / (s * s), phi, before,
-                 after);
+      fmt::print("| {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.1f} | {:.2f} |\n", k, s, z, z / (s * s), phi, before, after);
     }
   }
 }
@@ -126,8 +125,7 @@ std::vector<StepWeights> weights_of(int order, const Steps& steps) {
 }
 
 // Mean logarithmic growth a step of the worst mode; negative: all modes decay.
-double worst_growth(int order, const Steps& steps, const std::vector<StepWeights>& weights, double z_max,
-                    double safety) {
+double worst_growth(int order, const Steps& steps, const std::vector<StepWeights>& weights, double z_max, double safety) {
   double worst = -1e300;
   for (int m = 1; m <= 60; ++m) {
     const double mu = m / 60.0;

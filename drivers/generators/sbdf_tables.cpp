@@ -44,8 +44,7 @@ constexpr int highest_order = 5;
 
 // Every number of sweeps up to here; beyond, numbers some 17 % apart (a step then makes 8 % too many on average).
 constexpr int dense_up_to = 12;
-constexpr std::array sweep_counts{1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 14,
-                                  16, 19, 22, 26, 30, 35, 41, 48, 56, 66, 77, 90, 105};
+constexpr std::array sweep_counts{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14, 16, 19, 22, 26, 30, 35, 41, 48, 56, 66, 77, 90, 105};
 
 // Every mode loses at least 2 % of its amplitude in a step, or half of the logarithm it should lose if that is less.
 constexpr double damping = 0.98;

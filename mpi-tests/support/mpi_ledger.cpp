@@ -29,7 +29,21 @@ Ledger& ledger() {
   return *it;
 }
 
-enum Call : std::uint64_t { allreduce = 1, bcast, barrier, reduce, gather, gatherv, allgather, allgatherv, scan, exscan, dup, split, iallgather };
+enum Call : std::uint64_t {
+  allreduce = 1,
+  bcast,
+  barrier,
+  reduce,
+  gather,
+  gatherv,
+  allgather,
+  allgatherv,
+  scan,
+  exscan,
+  dup,
+  split,
+  iallgather
+};
 
 /// With STIFFRONT_DELAY_SEED set, up to two milliseconds before a call, different on every rank: what only works if ranks arrive together
 /// shows.
@@ -68,8 +82,13 @@ namespace stiffront::testing {
 
 MpiFindings mpi_findings() {
   const Ledger& l = ledger();
-  return {static_cast<int>(l.requests.size()), static_cast<int>(l.open.size()), static_cast<int>(l.communicators.size()), static_cast<int>(l.types.size()),
-          static_cast<int>(l.operations.size()), l.stray_messages, l.unequal_collectives};
+  return {static_cast<int>(l.requests.size()),
+          static_cast<int>(l.open.size()),
+          static_cast<int>(l.communicators.size()),
+          static_cast<int>(l.types.size()),
+          static_cast<int>(l.operations.size()),
+          l.stray_messages,
+          l.unequal_collectives};
 }
 
 }  // namespace stiffront::testing

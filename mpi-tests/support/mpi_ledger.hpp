@@ -10,11 +10,13 @@ struct MpiFindings {
   int unfreed_communicators = 0;  ///< duplicates and parts
   int unfreed_types = 0;          ///< committed datatypes
   int unfreed_operations = 0;
-  int stray_messages = 0;         ///< messages nobody received on a communicator that was freed
-  int unequal_collectives = 0;    ///< communicators freed whose ranks had not made the same collective calls with the same counts
+  int stray_messages = 0;       ///< messages nobody received on a communicator that was freed
+  int unequal_collectives = 0;  ///< communicators freed whose ranks had not made the same collective calls with the same counts
 
   bool any() const {
-    return unfreed_requests + open_requests + unfreed_communicators + unfreed_types + unfreed_operations + stray_messages + unequal_collectives != 0;
+    return unfreed_requests + open_requests + unfreed_communicators + unfreed_types + unfreed_operations + stray_messages +
+               unequal_collectives !=
+           0;
   }
 };
 

@@ -39,13 +39,13 @@ int main(int argc, char** argv) {
   // Only now: what belongs to the whole process is freed by MPI_Finalize itself.
   const stiffront::testing::MpiFindings findings = stiffront::testing::mpi_findings();
   if (findings.any()) {
-    std::fprintf(stderr,
-                 "[  FAILED  ] rank %d: not freed: %d persistent requests, %d requests under way, %d communicators, %d datatypes, %d operations; "
-                 "%d stray messages; "
-                 "unequal collective calls on %d communicators\n",
-                 rank, findings.unfreed_requests, findings.open_requests, findings.unfreed_communicators, findings.unfreed_types,
-                 findings.unfreed_operations,
-                 findings.stray_messages, findings.unequal_collectives);
+    std::fprintf(
+        stderr,
+        "[  FAILED  ] rank %d: not freed: %d persistent requests, %d requests under way, %d communicators, %d datatypes, %d operations; "
+        "%d stray messages; "
+        "unequal collective calls on %d communicators\n",
+        rank, findings.unfreed_requests, findings.open_requests, findings.unfreed_communicators, findings.unfreed_types,
+        findings.unfreed_operations, findings.stray_messages, findings.unequal_collectives);
     return 1;
   }
   return failed_anywhere;

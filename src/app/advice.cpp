@@ -31,7 +31,8 @@ ErrorRecord::ErrorRecord(const MethodOptions& method) {
   if (const auto* strang = std::get_if<AdaptiveStrangOptions>(&method)) tolerance_ = strang->tolerance;
   if (const auto* dcs = std::get_if<DcsOptions>(&method)) tolerance_ = dcs->tolerance.value_or(0.0);
   if (const auto* sbdf = std::get_if<SbdfOptions>(&method)) unit_ = tolerance_ = sbdf_step_tolerance(sbdf->relative_tolerance);
-  if (const auto* sdc = std::get_if<SdcOptions>(&method); sdc != nullptr && sdc->splitting == SdcSplitting::diagonal) tolerance_ = sdc->tolerance.value_or(0.0);
+  if (const auto* sdc = std::get_if<SdcOptions>(&method); sdc != nullptr && sdc->splitting == SdcSplitting::diagonal)
+    tolerance_ = sdc->tolerance.value_or(0.0);
   if (const auto* cvode = std::get_if<CvodeOptions>(&method)) unit_ = tolerance_ = cvode->relative_tolerance;
 }
 
@@ -112,19 +113,22 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
   std::vector<std::string> lines;
   const double attempts = static_cast<double>(summary.accepted + summary.rejected);
   if (summary.final_error) {
-    lines.push_back(fmt::format("error in time at the end: about {:.2g}, {:.2g} times the tolerance of a step, by a second solution with four times "
-                                "the step",
-                                *summary.final_error, *summary.final_error / errors.tolerance()));
+    lines.push_back(
+        fmt::format("error in time at the end: about {:.2g}, {:.2g} times the tolerance of a step, by a second solution with four times "
+                    "the step",
+                    *summary.final_error, *summary.final_error / errors.tolerance()));
     if (const double asked = kept_final_error(c.method); asked > 0.0 && *summary.final_error > far_from_kept * asked * errors.tolerance()) {
-      lines.push_back(fmt::format("that is more than method.final_error = {:.3g} tolerances: errors that were small when they were made have grown, or what they "
-                                  "are measured by has shrunk. A run with method.final_error={:.2g} ends nearer to it",
-                                  asked, asked * asked * errors.tolerance() / *summary.final_error));
+      lines.push_back(fmt::format(
+          "that is more than method.final_error = {:.3g} tolerances: errors that were small when they were made have grown, or what they "
+          "are measured by has shrunk. A run with method.final_error={:.2g} ends nearer to it",
+          asked, asked * asked * errors.tolerance() / *summary.final_error));
     }
   } else if (errors.tolerance() > 0.0 && errors.estimates() > 0) {
-    lines.push_back(fmt::format("error in time: every step's estimate is within the tolerance {:.2g} (largest {:.2g}, sum over {} steps {:.2g}). What is "
-                                "left of that at the end is up to the model: waves and patterns that attract forget most of it, chaos amplifies it. A "
-                                "run with a tolerance ten times smaller tells.",
-                                errors.tolerance(), errors.largest(), summary.accepted, errors.sum()));
+    lines.push_back(fmt::format(
+        "error in time: every step's estimate is within the tolerance {:.2g} (largest {:.2g}, sum over {} steps {:.2g}). What is "
+        "left of that at the end is up to the model: waves and patterns that attract forget most of it, chaos amplifies it. A "
+        "run with a tolerance ten times smaller tells.",
+        errors.tolerance(), errors.largest(), summary.accepted, errors.sum()));
   } else if (!(errors.tolerance() > 0.0)) {
     lines.emplace_back("error in time: not estimated with fixed steps; run again with half the step, or see stiffront converge");
   }
@@ -132,10 +136,12 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
   const auto worst = std::max_element(missed.begin(), missed.end());
   if (worst != missed.end() && *worst > 0.0) {
     const std::string& species = c.model.species[static_cast<std::size_t>(worst - missed.begin())];
-    const char* remedy = c.space.order == 2 ? "twice the points divide that by 4; space.order=4 helps more" : "twice the points divide that by 16";
-    lines.push_back(fmt::format("error in space: the differences of order {} miss {:.2g} % of the diffusion of {} in the final state; speeds and widths of "
-                                "fronts may be off by about as much{}{}",
-                                c.space.order, 100.0 * *worst, species, *worst > 0.01 ? "; " : "", *worst > 0.01 ? remedy : ""));
+    const char* remedy =
+        c.space.order == 2 ? "twice the points divide that by 4; space.order=4 helps more" : "twice the points divide that by 16";
+    lines.push_back(fmt::format(
+        "error in space: the differences of order {} miss {:.2g} % of the diffusion of {} in the final state; speeds and widths of "
+        "fronts may be off by about as much{}{}",
+        c.space.order, 100.0 * *worst, species, *worst > 0.01 ? "; " : "", *worst > 0.01 ? remedy : ""));
     if (errors.tolerance() > 0.0 && errors.estimates() > 0 && *worst > 100.0 * summary.final_error.value_or(errors.sum())) {
       lines.emplace_back("the error in space is far above the one in time: a larger tolerance would do as well, and be faster");
     }
@@ -143,28 +149,32 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
   if (const auto* dcs = std::get_if<DcsOptions>(&c.method); dcs != nullptr && dcs->tolerance && in_space.rate > 0.0) {
     const double of_step = in_space.rate * errors.recent_step();
     if (of_step > *dcs->tolerance) {
-      lines.push_back(fmt::format("method.tolerance is finer than the grid deserves: in a step of {:.3g} the error in space is about {:.2g}, that in time is "
-                                  "held at {:.2g}; {}",
-                                  errors.recent_step(), of_step, *dcs->tolerance,
-                                  c.space.order == 2 ? "take more points, space.order=4, or a tolerance nearer to it"
-                                                     : "take more points, or a tolerance nearer to it"));
+      lines.push_back(fmt::format(
+          "method.tolerance is finer than the grid deserves: in a step of {:.3g} the error in space is about {:.2g}, that in time is "
+          "held at {:.2g}; {}",
+          errors.recent_step(), of_step, *dcs->tolerance,
+          c.space.order == 2 ? "take more points, space.order=4, or a tolerance nearer to it"
+                             : "take more points, or a tolerance nearer to it"));
     } else {
-      lines.push_back(fmt::format("error in space of one step of {:.3g}: about {:.2g}, below the tolerance {:.2g}", errors.recent_step(), of_step,
-                                  *dcs->tolerance));
+      lines.push_back(fmt::format("error in space of one step of {:.3g}: about {:.2g}, below the tolerance {:.2g}", errors.recent_step(),
+                                  of_step, *dcs->tolerance));
     }
   }
   if (summary.accepted > 20 && static_cast<double>(summary.rejected) > 0.2 * attempts) {
-    lines.push_back(fmt::format("{:.0f} % of the attempts were rejected: data that jump belong in time.breakpoints; otherwise a smaller tolerance may even "
-                                "be faster",
-                                100.0 * static_cast<double>(summary.rejected) / attempts));
+    lines.push_back(fmt::format(
+        "{:.0f} % of the attempts were rejected: data that jump belong in time.breakpoints; otherwise a smaller tolerance may even "
+        "be faster",
+        100.0 * static_cast<double>(summary.rejected) / attempts));
   }
   if (2 * errors.at_critical_step() > summary.accepted) {
-    lines.emplace_back("most steps were as long as the critical splitting step allows, not the tolerance: method sbdf or dcs would go farther");
+    lines.emplace_back(
+        "most steps were as long as the critical splitting step allows, not the tolerance: method sbdf or dcs would go farther");
   }
   if (summary.ranks > 1 && summary.imbalance > 1.25) {
-    lines.push_back(fmt::format("imbalance {:.2f}: the busiest rank does {:.0f} % more of the reaction than the mean; grid.processes cuts the domain "
-                                "differently, fewer ranks waste less",
-                                summary.imbalance, 100.0 * (summary.imbalance - 1.0)));
+    lines.push_back(
+        fmt::format("imbalance {:.2f}: the busiest rank does {:.0f} % more of the reaction than the mean; grid.processes cuts the domain "
+                    "differently, fewer ranks waste less",
+                    summary.imbalance, 100.0 * (summary.imbalance - 1.0)));
   }
   double output = 0.0;
   double total = 0.0;
@@ -174,14 +184,16 @@ std::vector<std::string> advice(const Case& c, const Summary& summary, const Err
     if (phase == "total") total = seconds;
     if (phase == "communication") communication = seconds;
   }
-  if (total + output > 5.0 && output > 0.5 * total) lines.emplace_back("output took long: fewer times in [output], or a faster disk for its directory");
+  if (total + output > 5.0 && output > 0.5 * total)
+    lines.emplace_back("output took long: fewer times in [output], or a faster disk for its directory");
   if (total > 5.0 && communication > 0.4 * total) {
     lines.emplace_back("much time went into waiting for other ranks: fewer ranks, or a larger grid for as many");
   }
   if (summary.negatives > 0) {
-    lines.push_back(fmt::format("{} states held negative values: of the size of the error if the model's solutions are positive; a smaller tolerance "
-                                "makes them smaller, reaction_solver.positivity=reject-step refuses them",
-                                summary.negatives));
+    lines.push_back(
+        fmt::format("{} states held negative values: of the size of the error if the model's solutions are positive; a smaller tolerance "
+                    "makes them smaller, reaction_solver.positivity=reject-step refuses them",
+                    summary.negatives));
   }
   return lines;
 }

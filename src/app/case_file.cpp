@@ -50,8 +50,7 @@ std::vector<std::string> homes_of(const std::string& name, const std::string& se
   return siblings.empty() ? homes : siblings;
 }
 
-[[noreturn]] void refuse_unknown(const CaseTree& tree, const std::string& section, const std::string& name,
-                                 const std::string& method) {
+[[noreturn]] void refuse_unknown(const CaseTree& tree, const std::string& section, const std::string& name, const std::string& method) {
   const std::vector<std::string> allowed = allowed_in(section, method);
   std::string where = section.empty() ? " at the top" : " in [" + section + "]";
   if (section == "method") where += " with name = \"" + method + "\"";
@@ -74,8 +73,7 @@ void check_names(const CaseTree& tree, const ConfigNode& table, const std::strin
     }
     if (is_key) continue;
     if (!is_section) refuse_unknown(tree, section, name, method);
-    if (node.type != ConfigNode::Type::table)
-      tree.fail(path, fmt::format("expected a table, got {}", short_text(node)));
+    if (node.type != ConfigNode::Type::table) tree.fail(path, fmt::format("expected a table, got {}", short_text(node)));
     check_names(tree, node, path, method);
   }
 }
@@ -128,10 +126,9 @@ Case parse_case(const CaseSource& source, const std::vector<ModelDescription>& m
 }
 
 bool Case::same_options(const Case& other) const {
-  return title == other.title && grid == other.grid && boundary == other.boundary && space == other.space &&
-         model == other.model && initial == other.initial && time == other.time && method == other.method &&
-         diffusion_solver == other.diffusion_solver && reaction_solver == other.reaction_solver &&
-         output == other.output && limits == other.limits && converge == other.converge;
+  return title == other.title && grid == other.grid && boundary == other.boundary && space == other.space && model == other.model &&
+         initial == other.initial && time == other.time && method == other.method && diffusion_solver == other.diffusion_solver &&
+         reaction_solver == other.reaction_solver && output == other.output && limits == other.limits && converge == other.converge;
 }
 
 }  // namespace stiffront::app

@@ -13,12 +13,12 @@
 #include "custom_model_of.hpp"
 #include "schema.hpp"
 #include "sdc_defaults.hpp"
-#include "stiffront/solvers/node_sweep.hpp"
 #include "stiffront/app/methods.hpp"
 #include "stiffront/control/adaptive_strang.hpp"
 #include "stiffront/core/entry_error.hpp"
 #include "stiffront/core/spelling.hpp"
 #include "stiffront/model/expression.hpp"
+#include "stiffront/solvers/node_sweep.hpp"
 #include "toml_text.hpp"
 
 namespace stiffront::app {
@@ -36,9 +36,9 @@ const T* find_entry(const NamedList<T>& list, const std::string& name) {
 
 /// Names an expression gives a meaning of its own, and words the tables of species have for themselves.
 bool is_reserved(const std::string& name) {
-  static const std::vector<std::string> reserved = {
-      "t",   "x",   "y",   "z",    "pi",   "e",    "if",   "min",  "max",  "abs", "sqrt", "exp",     "log", "log10",
-      "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "pow", "arrhenius", "type", "profile", "file"};
+  static const std::vector<std::string> reserved = {"t",    "x",    "y",    "z",     "pi",        "e",    "if",      "min",  "max",  "abs",
+                                                    "sqrt", "exp",  "log",  "log10", "sin",       "cos",  "tan",     "asin", "acos", "atan",
+                                                    "sinh", "cosh", "tanh", "pow",   "arrhenius", "type", "profile", "file"};
   return contains(reserved, name);
 }
 
@@ -53,8 +53,7 @@ constexpr double most_intervals = 1e9;  // in a time span, of outputs or periods
 
 class Completion {
  public:
-  Completion(Case& c, const CaseTree& tree, const std::vector<ModelDescription>& models)
-      : c_(c), tree_(tree), models_(models) {}
+  Completion(Case& c, const CaseTree& tree, const std::vector<ModelDescription>& models) : c_(c), tree_(tree), models_(models) {}
 
   void run() {
     required_keys();
@@ -112,19 +111,16 @@ class Completion {
     for (std::size_t d = 0; d < grid.points.size(); ++d) {
       cells *= static_cast<double>(grid.points[d]);
       if (grid.points[d] < fewest_points(order, c_.boundary.has_dirichlet())) {
-        fail(fmt::format("grid.points[{}]", d),
-             fmt::format("expected at least {} points for differences of order {}, got {}", fewest_points(order, c_.boundary.has_dirichlet()),
-                         order, grid.points[d]));
+        fail(fmt::format("grid.points[{}]", d), fmt::format("expected at least {} points for differences of order {}, got {}",
+                                                            fewest_points(order, c_.boundary.has_dirichlet()), order, grid.points[d]));
       }
       if (!(grid.upper[d] > grid.lower[d]) || !std::isfinite(grid.upper[d] - grid.lower[d])) {
         fail(tree_.has("grid.upper") ? fmt::format("grid.upper[{}]", d) : fmt::format("grid.lower[{}]", d),
-             fmt::format("expected grid.lower below grid.upper, got {} and {}", toml_text(grid.lower[d]),
-                         toml_text(grid.upper[d])));
+             fmt::format("expected grid.lower below grid.upper, got {} and {}", toml_text(grid.lower[d]), toml_text(grid.upper[d])));
       }
       if (grid.processes[d] > grid.points[d]) {
         fail(fmt::format("grid.processes[{}]", d),
-             fmt::format("expected at most one process for each of {} points, got {}", grid.points[d],
-                         grid.processes[d]));
+             fmt::format("expected at most one process for each of {} points, got {}", grid.points[d], grid.processes[d]));
       }
     }
     if (cells > most_cells) {
@@ -136,8 +132,7 @@ class Completion {
 
   void check_species(const std::string& path, const std::string& name) const {
     if (contains(c_.model.species, name)) return;
-    fail(path, "unknown species" +
-                   with_allowed(suggestion(name, c_.model.species), " for model " + c_.model.name, c_.model.species));
+    fail(path, "unknown species" + with_allowed(suggestion(name, c_.model.species), " for model " + c_.model.name, c_.model.species));
   }
 
   template <typename T>
@@ -175,9 +170,8 @@ class Completion {
     check_species_names("model.diffusion", model.diffusion);
     units();
     diffusion_coefficients();
-    in_order_of_species(model.diffusion, [this](std::size_t s) {
-      return Value(description_ == nullptr ? 0.0 : description_->diffusion[s]);
-    });
+    in_order_of_species(model.diffusion,
+                        [this](std::size_t s) { return Value(description_ == nullptr ? 0.0 : description_->diffusion[s]); });
     if (model.is_custom()) compile_custom_model();
   }
 
@@ -193,8 +187,7 @@ class Completion {
 
   /// The value must be an expression of these variables and the parameters.
   /// @return its value if it is constant
-  std::optional<double> check_expression(const std::string& path, const Value& value,
-                                         std::vector<std::string> variables) const {
+  std::optional<double> check_expression(const std::string& path, const Value& value, std::vector<std::string> variables) const {
     if (const double* number = std::get_if<double>(&value)) return *number;
     const std::map<std::string, double> constants(c_.model.parameters.begin(), c_.model.parameters.end());
     ExpressionGraph graph(std::move(variables));
@@ -211,8 +204,7 @@ class Completion {
       const std::string path = "model.diffusion." + species;
       const std::optional<double> coefficient = check_expression(path, value, {});
       if (!(coefficient.value_or(-1.0) >= 0.0)) {
-        fail(path,
-             fmt::format("expected a number not below 0, got {} = {}", tree_.text(path), coefficient.value_or(-1.0)));
+        fail(path, fmt::format("expected a number not below 0, got {} = {}", tree_.text(path), coefficient.value_or(-1.0)));
       }
     }
   }
@@ -236,8 +228,7 @@ class Completion {
     }
     allowed.emplace_back("custom");
     if (description_ == nullptr) {
-      fail("model.name",
-           "unknown model " + tree_.text("model.name") + with_allowed(suggestion(model.name, allowed), "", allowed));
+      fail("model.name", "unknown model " + tree_.text("model.name") + with_allowed(suggestion(model.name, allowed), "", allowed));
     }
     for (const char* key : {"model.species", "model.reaction", "model.reactions"}) {
       if (tree_.has(key)) fail(key, "only for model.name = \"custom\"");
@@ -247,8 +238,7 @@ class Completion {
     for (const auto& parameter : description_->parameters) names.push_back(parameter.name);
     for (const auto& [name, value] : model.parameters) {
       if (contains(names, name)) continue;
-      fail("model.parameters." + name,
-           "unknown parameter" + with_allowed(suggestion(name, names), " for model " + model.name, names));
+      fail("model.parameters." + name, "unknown parameter" + with_allowed(suggestion(name, names), " for model " + model.name, names));
     }
     NamedList<double> parameters;
     for (const auto& [name, value] : description_->parameters) {
@@ -284,8 +274,7 @@ class Completion {
       if (contains(model.species, name)) fail(path, fmt::format("{} is a species already", name));
     }
     if (model.reaction.empty() && model.reactions.empty()) {
-      fail("model.reaction",
-           "missing: [model.reaction] with an expression for each species, or [[model.reactions]], a reaction network");
+      fail("model.reaction", "missing: [model.reaction] with an expression for each species, or [[model.reactions]], a reaction network");
     }
     check_species_names("model.reaction", model.reaction);
     if (model.reactions.empty()) {
@@ -335,17 +324,15 @@ class Completion {
       allowed.insert(allowed.end(), c_.model.species.begin(), c_.model.species.end());
       fail("initial." + name, "unknown key" + with_allowed(suggestion(name, allowed), " in [initial]", allowed));
     }
-    const int given =
-        (initial.profile.empty() ? 0 : 1) + (initial.expressions.empty() ? 0 : 1) + (initial.file.empty() ? 0 : 1);
+    const int given = (initial.profile.empty() ? 0 : 1) + (initial.expressions.empty() ? 0 : 1) + (initial.file.empty() ? 0 : 1);
     if (given != 1) {
-      fail("initial", fmt::format("{}: profile, or an expression for each species, or file",
-                                  given == 0 ? "missing: one of" : "expected only one of"));
+      fail("initial",
+           fmt::format("{}: profile, or an expression for each species, or file", given == 0 ? "missing: one of" : "expected only one of"));
     }
     if (!initial.profile.empty()) initial_profile();
     if (!initial.expressions.empty()) {
       require_all_species("initial", initial.expressions, "initial value");
-      for (const auto& [species, value] : initial.expressions)
-        check_expression("initial." + species, value, {"x", "y"});
+      for (const auto& [species, value] : initial.expressions) check_expression("initial." + species, value, {"x", "y"});
       in_order_of_species(initial.expressions, [](std::size_t) { return Value(0.0); });
     }
   }
@@ -357,14 +344,13 @@ class Completion {
       for (const auto& profile : description_->profiles) {
         allowed.push_back(profile.name);
         if (profile.name == name && profile.dimension > c_.grid.dimension()) {
-          fail("initial.profile", fmt::format("\"{}\" needs a grid of {} dimensions, this one has {}", name,
-                                              profile.dimension, c_.grid.dimension()));
+          fail("initial.profile",
+               fmt::format("\"{}\" needs a grid of {} dimensions, this one has {}", name, profile.dimension, c_.grid.dimension()));
         }
       }
     }
     if (allowed.empty()) {
-      fail("initial.profile",
-           fmt::format("model {} has no profiles; give an expression for each species", c_.model.name));
+      fail("initial.profile", fmt::format("model {} has no profiles; give an expression for each species", c_.model.name));
     }
     if (!contains(allowed, name)) {
       fail("initial.profile", "unknown profile " + tree_.text("initial.profile") +
@@ -382,9 +368,8 @@ class Completion {
       if (!after_start || !before_end) {
         const std::string start = toml_text(c_.time.start);
         const std::string end = toml_text(c_.time.end);
-        expected(fmt::format("{}[{}]", path, i), ends_included
-                                                     ? fmt::format("increasing times from {} to {}", start, end)
-                                                     : fmt::format("increasing times between {} and {}", start, end));
+        expected(fmt::format("{}[{}]", path, i), ends_included ? fmt::format("increasing times from {} to {}", start, end)
+                                                               : fmt::format("increasing times between {} and {}", start, end));
       }
       before = times[i];
     }
@@ -392,8 +377,7 @@ class Completion {
 
   void check_interval(const std::string& path, double interval) const {
     if (interval > 0.0 && span() / interval > most_intervals) {
-      expected(path,
-               fmt::format("a number not below {}, a billionth of the time span", toml_text(span() / most_intervals)));
+      expected(path, fmt::format("a number not below {}, a billionth of the time span", toml_text(span() / most_intervals)));
     }
   }
 
@@ -429,11 +413,9 @@ class Completion {
                fmt::format("epsilon not above epsilon_max = {}", toml_text(o.epsilon_max)));
     }
     if (!(o.beta < o.gamma)) {
-      expected(tree_.has("method.beta") ? "method.beta" : "method.gamma",
-               fmt::format("beta below gamma = {}", toml_text(o.gamma)));
+      expected(tree_.has("method.beta") ? "method.beta" : "method.gamma", fmt::format("beta below gamma = {}", toml_text(o.gamma)));
     }
-    for (std::size_t i = 0; i < o.species.size(); ++i)
-      check_species(fmt::format("method.species[{}]", i), o.species[i]);
+    for (std::size_t i = 0; i < o.species.size(); ++i) check_species(fmt::format("method.species[{}]", i), o.species[i]);
     if (o.species.empty()) o.species = c_.model.species;
     if (!o.final_error) o.final_error = default_final_error(o.tolerance);
   }
@@ -441,9 +423,8 @@ class Completion {
   void method(DcsOptions& o) const {
     if (c_.converge && !o.tolerance && !o.step) o.step = c_.converge->steps.front();
     if (o.tolerance.has_value() == o.step.has_value()) {
-      fail(o.step ? "method.step" : "method",
-           fmt::format("{}: method.tolerance for adaptive steps, or method.step for fixed ones",
-                       o.step ? "expected only one of" : "missing: one of"));
+      fail(o.step ? "method.step" : "method", fmt::format("{}: method.tolerance for adaptive steps, or method.step for fixed ones",
+                                                          o.step ? "expected only one of" : "missing: one of"));
     }
     if (o.iterations && !o.step) fail("method.iterations", "goes with method.step, not with method.tolerance");
     const int to_full_order = std::max(1, 2 * o.stages - 1 - (o.splitting == Splitting::lie ? 1 : 2));
@@ -458,9 +439,8 @@ class Completion {
     negative_states_are_reported();
     if (c_.converge && !o.tolerance && !o.step) o.step = c_.converge->steps.front();
     if (o.tolerance.has_value() == o.step.has_value()) {
-      fail(o.step ? "method.step" : "method",
-           fmt::format("{}: method.tolerance for adaptive steps, or method.step for fixed ones",
-                       o.step ? "expected only one of" : "missing: one of"));
+      fail(o.step ? "method.step" : "method", fmt::format("{}: method.tolerance for adaptive steps, or method.step for fixed ones",
+                                                          o.step ? "expected only one of" : "missing: one of"));
     }
     const bool lobatto = o.nodes == NodeFamily::gauss_lobatto;
     if (o.starting_order && *o.starting_order > o.node_count - (lobatto ? 1 : 0)) {
@@ -492,7 +472,8 @@ class Completion {
     if (o.splitting == SdcSplitting::diagonal) diagonal_splitting(o);
     complete_sdc(o, c_.space.order);
     if (o.final_update == SdcFinalUpdate::last_node && o.nodes == NodeFamily::gauss_legendre) {
-      expected("method.final_update", "\"auto\", \"quadrature\" or \"extrapolation\" with Legendre nodes, whose last one is not the end of the step");
+      expected("method.final_update",
+               "\"auto\", \"quadrature\" or \"extrapolation\" with Legendre nodes, whose last one is not the end of the step");
     }
     if (o.correction == SdcCorrection::alternative && (*o.starting_order != 1 || !o.consistent || o.acceleration || o.tolerance)) {
       fail("method.correction",
@@ -541,7 +522,8 @@ class Completion {
     if (!has_transport()) return;
     if (c_.grid.points.size() != 1) fail("model.name", fmt::format("the model {} is for one dimension", c_.model.name));
     const bool splits = method_is<LieOptions, StrangOptions>();
-    if (method_is<SdcOptions, CvodeOptions, AutoOptions>() || (splits && c_.diffusion_solver.name == DiffusionSolver::crank_nicolson)) return;
+    if (method_is<SdcOptions, CvodeOptions, AutoOptions>() || (splits && c_.diffusion_solver.name == DiffusionSolver::crank_nicolson))
+      return;
     fail(splits ? "diffusion_solver.name" : "method.name",
          fmt::format("the model {} has first derivatives, for which there are the methods sdc, cvode and auto, and lie and strang with "
                      "diffusion_solver.name = \"crank-nicolson\"",
@@ -551,7 +533,9 @@ class Completion {
   void textbook_solvers() const {
     const bool splits = method_is<LieOptions, StrangOptions>();
     if (c_.diffusion_solver.name == DiffusionSolver::crank_nicolson) {
-      if (!splits) fail("diffusion_solver.name", fmt::format("\"crank-nicolson\" goes with methods lie and strang, not with {}", method_name(c_.method)));
+      if (!splits)
+        fail("diffusion_solver.name",
+             fmt::format("\"crank-nicolson\" goes with methods lie and strang, not with {}", method_name(c_.method)));
       if (c_.grid.points.size() != 1) fail("diffusion_solver.name", "\"crank-nicolson\" is for one dimension");
     }
     if (c_.reaction_solver.name == ReactionSolver::trapezoidal && !splits) {
@@ -562,7 +546,8 @@ class Completion {
   /// For methods that cannot try a step again because of a negative value.
   void negative_states_are_reported() const {
     if (c_.reaction_solver.positivity != Positivity::reject_step) return;
-    fail("reaction_solver.positivity", fmt::format("\"reject-step\" does not go with method \"{}\"; use \"report\"", method_name(c_.method)));
+    fail("reaction_solver.positivity",
+         fmt::format("\"reject-step\" does not go with method \"{}\"; use \"report\"", method_name(c_.method)));
   }
 
   void complete_tolerance(std::optional<Tolerance>& absolute, double relative) const {
@@ -590,21 +575,19 @@ class Completion {
   void output() const {
     const OutputOptions& output = c_.output;
     const int given = (output.times.empty() ? 0 : 1) + (output.every > 0.0 ? 1 : 0) + (output.steps > 0 ? 1 : 0);
-    if (given > 1)
-      fail(output.steps > 0 ? "output.steps" : "output.every", "expected only one of times, every and steps");
+    if (given > 1) fail(output.steps > 0 ? "output.steps" : "output.every", "expected only one of times, every and steps");
     check_increasing("output.times", output.times, true);
     check_interval("output.every", output.every);
     for (std::size_t i = 0; i < output.probes.size(); ++i) {
       const std::vector<double>& point = output.probes[i];
       const std::string path = fmt::format("output.probes[{}]", i);
       if (point.size() != c_.grid.points.size()) {
-        expected(path, fmt::format("a point with {} coordinate{}", c_.grid.points.size(),
-                                   c_.grid.points.size() == 1 ? "" : "s"));
+        expected(path, fmt::format("a point with {} coordinate{}", c_.grid.points.size(), c_.grid.points.size() == 1 ? "" : "s"));
       }
       for (std::size_t d = 0; d < point.size(); ++d) {
         if (point[d] >= c_.grid.lower[d] && point[d] <= c_.grid.upper[d]) continue;
-        expected(path, fmt::format("a point of the domain, {} from {} to {}", "xy"[d], toml_text(c_.grid.lower[d]),
-                                   toml_text(c_.grid.upper[d])));
+        expected(path,
+                 fmt::format("a point of the domain, {} from {} to {}", "xy"[d], toml_text(c_.grid.lower[d]), toml_text(c_.grid.upper[d])));
       }
     }
   }
@@ -615,15 +598,13 @@ class Completion {
     const std::string& name = method_name(c_.method);
     const std::vector<std::string> with_fixed_step = {"lie", "strang", "dcs", "sdc"};
     if (!contains(with_fixed_step, name)) {
-      fail("converge",
-           fmt::format("method \"{}\" has no fixed step to study; take one of {}", name, comma_list(with_fixed_step)));
+      fail("converge", fmt::format("method \"{}\" has no fixed step to study; take one of {}", name, comma_list(with_fixed_step)));
     }
     for (std::size_t i = 0; i < o.steps.size(); ++i) {
       const std::string path = fmt::format("converge.steps[{}]", i);
       if (o.steps[i] > span()) expected(path, fmt::format("a step not above the time span {}", toml_text(span())));
       const auto here = o.steps.begin() + static_cast<std::ptrdiff_t>(i);
-      if (std::find(o.steps.begin(), here, o.steps[i]) != here)
-        fail(path, fmt::format("{} is there twice", tree_.text(path)));
+      if (std::find(o.steps.begin(), here, o.steps[i]) != here) fail(path, fmt::format("{} is there twice", tree_.text(path)));
     }
     const auto* dcs = std::get_if<DcsOptions>(&c_.method);
     if (dcs == nullptr && name != "sdc" && !o.iterations.empty()) {
@@ -640,8 +621,8 @@ class Completion {
       fail("converge.reference.tolerance", "goes with method = \"cvode\" only");
     }
     if (reference.step.has_value() != (reference.method == "sdc")) {
-      fail("converge.reference.step", reference.step ? "goes with method = \"sdc\" only"
-                                                     : "missing: a positive number, the time step of the reference");
+      fail("converge.reference.step",
+           reference.step ? "goes with method = \"sdc\" only" : "missing: a positive number, the time step of the reference");
     }
     if (reference.method == "cvode" && !reference.tolerance) reference.tolerance = 1e-12;
   }
@@ -654,9 +635,7 @@ class Completion {
 
 }  // namespace
 
-void complete(Case& c, const CaseTree& tree, const std::vector<ModelDescription>& models) {
-  Completion(c, tree, models).run();
-}
+void complete(Case& c, const CaseTree& tree, const std::vector<ModelDescription>& models) { Completion(c, tree, models).run(); }
 
 int fewest_points(int order, bool dirichlet) { return order == 8 && dirichlet ? 10 : order + 1; }
 

@@ -41,8 +41,7 @@ CaseSource read_case_source(const std::string& name, const std::vector<std::stri
   return {name, read_text(name), overrides};
 }
 
-CaseSource read_case_source(const std::string& name, const std::vector<std::string>& overrides,
-                            const Communicator& comm) {
+CaseSource read_case_source(const std::string& name, const std::vector<std::string>& overrides, const Communicator& comm) {
   std::string text;
   collectively(comm, [&] {
     if (comm.is_root()) text = read_text(name);

@@ -37,15 +37,13 @@ void add_case(CLI::App& command, Arguments& arguments) {
 }
 
 void add_output_directory(CLI::App& command, Arguments& arguments) {
-  command.add_option("-o,--output", arguments.output, "directory of the results, instead of output.directory")
-      ->type_name("DIR");
+  command.add_option("-o,--output", arguments.output, "directory of the results, instead of output.directory")->type_name("DIR");
   command.add_flag("--force", arguments.run.force, "overwrite the results of another run in that directory");
   command.add_flag("--quiet", arguments.run.quiet, "print nothing but errors");
 }
 
 void add_run(CLI::App& app, Arguments& arguments) {
-  CLI::App& command =
-      *app.add_subcommand("run", "Solve a case. mpirun -n N stiffront run ... solves it on N processes.");
+  CLI::App& command = *app.add_subcommand("run", "Solve a case. mpirun -n N stiffront run ... solves it on N processes.");
   add_case(command, arguments);
   add_output_directory(command, arguments);
   command.add_option("--restart", arguments.run.restart, "continue from the latest checkpoint, or from that in DIR")
@@ -57,16 +55,19 @@ void add_run(CLI::App& app, Arguments& arguments) {
 
 void add_commands(CLI::App& app, Arguments& arguments) {
   add_run(app, arguments);
-  CLI::App* command =
-      app.add_subcommand("check", "Validate a case; print the complete case, defaults filled in, as TOML, and on standard error what to expect of it.");
+  CLI::App* command = app.add_subcommand(
+      "check", "Validate a case; print the complete case, defaults filled in, as TOML, and on standard error what to expect of it.");
   add_case(*command, arguments);
   command = app.add_subcommand("converge", "Measure the order of a method: the study [converge] of the case.");
   add_case(*command, arguments);
   add_output_directory(*command, arguments);
-  command = app.add_subcommand("stability", "Measure the domain of stability of sdc: area, real axis and strip, from its amplification matrices.");
-  command->add_option("KEY=VALUE", arguments.source.overrides, "keys of method sdc, as in nodes=gauss-legendre node_count=6 starting_order=2");
+  command = app.add_subcommand("stability",
+                               "Measure the domain of stability of sdc: area, real axis and strip, from its amplification matrices.");
+  command->add_option("KEY=VALUE", arguments.source.overrides,
+                      "keys of method sdc, as in nodes=gauss-legendre node_count=6 starting_order=2");
   command->add_option("--implicit-real", arguments.stability.implicit_real, "part of Re z that is implicit; default 1")->type_name("D");
-  command->add_option("--implicit-imaginary", arguments.stability.implicit_imaginary, "part of Im z that is implicit; default 0")->type_name("D");
+  command->add_option("--implicit-imaginary", arguments.stability.implicit_imaginary, "part of Im z that is implicit; default 0")
+      ->type_name("D");
   command->add_option("-o,--output", arguments.output, "directory for stability.json, which stiffront plot draws")->type_name("DIR");
   command = app.add_subcommand("list", "List what is built in, one line each with its source.");
   command->add_option("WHAT", arguments.what, "cases, models or methods; all without it")
@@ -89,9 +90,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   app.add_subcommand("input-reference", "Print the reference of all keys of a case file in Markdown.")->group("");
 }
 
-std::optional<std::string> if_given(const std::string& text) {
-  return text.empty() ? std::nullopt : std::optional(text);
-}
+std::optional<std::string> if_given(const std::string& text) { return text.empty() ? std::nullopt : std::optional(text); }
 
 CaseArguments source_of(const Arguments& arguments) {
   CaseArguments source = arguments.source;
@@ -193,9 +192,8 @@ Command parse_command_line(int argc, const char* const* argv) {
   } catch (const CLI::ExtrasError&) {
     const CLI::App& parsed = app.get_subcommands().empty() ? app : *app.get_subcommands().front();
     const std::vector<std::string> extras = app.remaining(true);
-    refuse(&parsed == &app ? "" : parsed.get_name(),
-           fmt::format("unexpected argument {}{}", extras.empty() ? "" : extras.front(),
-                       suggestion(extras.empty() ? "" : extras.front(), option_names(parsed))));
+    refuse(&parsed == &app ? "" : parsed.get_name(), fmt::format("unexpected argument {}{}", extras.empty() ? "" : extras.front(),
+                                                                 suggestion(extras.empty() ? "" : extras.front(), option_names(parsed))));
   } catch (const CLI::ParseError& error) {
     refuse(app.get_subcommands().empty() ? "" : app.get_subcommands().front()->get_name(), error.what());
   }

@@ -30,8 +30,7 @@ void check_nesting(const std::string& text, const std::string& file) {
     if (c == '\n') ++line;
     if (c == '.') ++dots;
     if (c == '\n' || c == '=' || c == ',' || c == '{' || c == '[') dots = 0;
-    if (dots > max_dots_in_a_row)
-      fail(fmt::format("{}:{}: a key has more than {} parts", file, line, max_dots_in_a_row));
+    if (dots > max_dots_in_a_row) fail(fmt::format("{}:{}: a key has more than {} parts", file, line, max_dots_in_a_row));
   }
 }
 
@@ -175,9 +174,7 @@ const ConfigNode* ConfigNode::find(std::string_view key) const {
   return nullptr;
 }
 
-ConfigNode* ConfigNode::find(std::string_view key) {
-  return const_cast<ConfigNode*>(static_cast<const ConfigNode*>(this)->find(key));
-}
+ConfigNode* ConfigNode::find(std::string_view key) { return const_cast<ConfigNode*>(static_cast<const ConfigNode*>(this)->find(key)); }
 
 std::string one_line(std::string_view text) {
   std::string line;
@@ -207,8 +204,7 @@ ConfigNode parse_toml(const std::string& text, const std::string& file) {
     return convert(toml::parse(text), file);
   } catch (const toml::parse_error& error) {
     const auto position = error.source().begin;
-    fail(fmt::format("{}:{}: not valid TOML: {} (column {})", file, position.line, one_line(error.description()),
-                     position.column));
+    fail(fmt::format("{}:{}: not valid TOML: {} (column {})", file, position.line, one_line(error.description()), position.column));
   }
 }
 
@@ -217,8 +213,7 @@ void apply_override(ConfigNode& root, const std::string& key_value) {
   const std::string key = key_value.substr(0, equals);
   const std::vector<std::string> parts = key_parts(key);
   if (equals == std::string::npos || parts.empty()) {
-    throw Error(ErrorKind::usage,
-                fmt::format("\"{}\" is not KEY=VALUE with a key like method.tolerance", one_line(key_value)));
+    throw Error(ErrorKind::usage, fmt::format("\"{}\" is not KEY=VALUE with a key like method.tolerance", one_line(key_value)));
   }
   const std::string value = key_value.substr(equals + 1);
   if (value.empty()) fail(fmt::format("command line: {}: no value after the equals sign", key));

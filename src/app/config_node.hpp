@@ -17,10 +17,10 @@ struct ConfigNode {
   bool boolean = false;
   std::int64_t integer = 0;
   double number = 0.0;
-  std::string string;                                       ///< string; date: as text
-  std::vector<ConfigNode> elements;                         ///< array
-  std::vector<ConfigEntry> entries;                         ///< table
-  std::string origin;                                       ///< "bz.toml:12:1" or "command line"
+  std::string string;                ///< string; date: as text
+  std::vector<ConfigNode> elements;  ///< array
+  std::vector<ConfigEntry> entries;  ///< table
+  std::string origin;                ///< "bz.toml:12:1" or "command line"
 
   bool is_number() const { return type == Type::integer || type == Type::number; }
   double as_number() const { return type == Type::integer ? static_cast<double>(integer) : number; }

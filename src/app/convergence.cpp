@@ -68,9 +68,10 @@ Case with_step(Case c, double step, std::optional<int> iterations) {
         } else if constexpr (requires { m.step; }) {
           m.step = step;
         } else {
-          throw Error(ErrorKind::input, fmt::format("{}: converge: the method \"{}\" chooses its own steps; an order study needs a method with "
-                                                    "a fixed step: lie, strang, dcs or sdc",
-                                                    c.file, method_name(c.method)));
+          throw Error(ErrorKind::input,
+                      fmt::format("{}: converge: the method \"{}\" chooses its own steps; an order study needs a method with "
+                                  "a fixed step: lie, strang, dcs or sdc",
+                                  c.file, method_name(c.method)));
         }
       },
       c.method);
@@ -111,8 +112,8 @@ Solution reference_at(const Case& c, const ModelRegistry& models, const Communic
     Solution s{std::make_unique<Problem>(c, models, comm)};
     const StateSource source = read_state(o.file, s.problem->model->description().species, s.state());
     if (std::abs(source.time - end) > 1e-12 * std::abs(end)) {
-      throw Error(ErrorKind::input, fmt::format("{}: converge.reference.file: {} holds the time {:.17g}, but the study ends at {:.17g}", c.file,
-                                                o.file, source.time, end));
+      throw Error(ErrorKind::input, fmt::format("{}: converge.reference.file: {} holds the time {:.17g}, but the study ends at {:.17g}",
+                                                c.file, o.file, source.time, end));
     }
     return s;
   }
@@ -176,7 +177,8 @@ std::string to_json(const ConvergenceStudy& study) {
 using Cells = std::map<std::pair<double, std::string>, const ConvergenceRow*>;
 
 /// The method's own view, where it has one.
-void print_estimates(const ConvergenceStudy& study, const std::vector<std::string>& variants, const std::vector<double>& steps, const Cells& cells) {
+void print_estimates(const ConvergenceStudy& study, const std::vector<std::string>& variants, const std::vector<double>& steps,
+                     const Cells& cells) {
   if (study.rows.empty() || !study.rows.front().estimate) return;
   fmt::print("\nestimates by the method, and the step from which on a correction improves nothing\n{:>12}", "step");
   for (const std::string& v : variants) fmt::print(" {:>12} {:>9}", v, "limit");

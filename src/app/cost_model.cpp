@@ -81,9 +81,11 @@ AutoChoice choose_method(const AutoProblem& p) {
       count = &candidate;
     }
   }
-  const bool takes_sdc = sbdf.round_off <= p.tolerance ? sdc.round_off <= p.tolerance && sdc.sweeps < sbdf.sweeps : sdc.round_off < sbdf.round_off;
+  const bool takes_sdc =
+      sbdf.round_off <= p.tolerance ? sdc.round_off <= p.tolerance && sdc.sweeps < sbdf.sweeps : sdc.round_off < sbdf.round_off;
   AutoChoice choice;
-  const std::string work = fmt::format("work of {:.2g} sweeps against {:.2g}", takes_sdc ? sdc.sweeps : sbdf.sweeps, takes_sdc ? sbdf.sweeps : sdc.sweeps);
+  const std::string work =
+      fmt::format("work of {:.2g} sweeps against {:.2g}", takes_sdc ? sdc.sweeps : sbdf.sweeps, takes_sdc ? sbdf.sweeps : sdc.sweeps);
   if (takes_sdc) {
     SdcOptions o;
     o.splitting = SdcSplitting::diagonal;
@@ -91,19 +93,19 @@ AutoChoice choose_method(const AutoProblem& p) {
     o.corrections = count->corrections;
     o.starting_order = sdc_starting_order;
     o.tolerance = sdc_tolerance(p.tolerance);
-    choice.reason = fmt::format("method auto: sdc, {} nodes in parallel, {} sweeps, with tolerance = {:.3g}: {}", count->nodes, count->corrections,
-                                *o.tolerance,
-                                sbdf.round_off <= p.tolerance ? work + " of sbdf"
-                                                       : fmt::format("rounding in some {:.2g} steps of sbdf leaves about {:.1g}, in {:.2g} of sdc {:.1g}",
-                                                                     sbdf.steps, sbdf.round_off, sdc.steps, sdc.round_off));
+    choice.reason = fmt::format(
+        "method auto: sdc, {} nodes in parallel, {} sweeps, with tolerance = {:.3g}: {}", count->nodes, count->corrections, *o.tolerance,
+        sbdf.round_off <= p.tolerance ? work + " of sbdf"
+                                      : fmt::format("rounding in some {:.2g} steps of sbdf leaves about {:.1g}, in {:.2g} of sdc {:.1g}",
+                                                    sbdf.steps, sbdf.round_off, sdc.steps, sdc.round_off));
     choice.method = std::move(o);
   } else {
     SbdfOptions o;
     o.relative_tolerance = kept * p.tolerance;
     choice.reason = fmt::format("method auto: sbdf with relative_tolerance = {:.3g}: {}", o.relative_tolerance,
-                                sdc.round_off <= p.tolerance || sbdf.round_off <= p.tolerance ? work + " of sdc"
-                                                                                : fmt::format("rounding leaves about {:.1g}, in sdc {:.1g}", sbdf.round_off,
-                                                                                              sdc.round_off));
+                                sdc.round_off <= p.tolerance || sbdf.round_off <= p.tolerance
+                                    ? work + " of sdc"
+                                    : fmt::format("rounding leaves about {:.1g}, in sdc {:.1g}", sbdf.round_off, sdc.round_off));
     choice.method = std::move(o);
   }
   return choice;

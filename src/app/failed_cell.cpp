@@ -23,19 +23,21 @@ const CellFailure& most_telling(const std::vector<CellFailure>& failures) {
 }
 
 std::string describe(const CellFailure& failure, const std::vector<std::string>& species) {
-  std::string text = fmt::format("cell ({}, {}) at x = {:.10g}, y = {:.10g}, t = {:.17g}: ", failure.i, failure.j, failure.x, failure.y, failure.t);
+  std::string text =
+      fmt::format("cell ({}, {}) at x = {:.10g}, y = {:.10g}, t = {:.17g}: ", failure.i, failure.j, failure.x, failure.y, failure.t);
   if (failure.species >= 0) text += fmt::format("species {}: ", species[static_cast<std::size_t>(failure.species)]);
   text += failure.reason;
   if (failure.dt > 0.0) text += fmt::format(" (inner step {:.3g})", failure.dt);
   text += fmt::format("; state at t = {:.17g}, {:.3g} before the end of the sub-step:", failure.begin, failure.interval);
-  for (std::size_t s = 0; s < failure.state.size(); ++s) text += fmt::format("{} {} = {:.17g}", s == 0 ? "" : ",", species[s], failure.state[s]);
+  for (std::size_t s = 0; s < failure.state.size(); ++s)
+    text += fmt::format("{} {} = {:.17g}", s == 0 ? "" : ",", species[s], failure.state[s]);
   return text;
 }
 
 std::string failed_cell_case(const Case& c, const CellFailure& failure, double reaction_tolerance) {
   Case alone = c;
-  alone.title = fmt::format("The cell ({}, {}) at x = {:.10g}, y = {:.10g} that failed at t = {:.17g}", failure.i, failure.j, failure.x, failure.y,
-                            failure.t);
+  alone.title = fmt::format("The cell ({}, {}) at x = {:.10g}, y = {:.10g} that failed at t = {:.17g}", failure.i, failure.j, failure.x,
+                            failure.y, failure.t);
   const double place[] = {failure.x, failure.y};
   for (std::size_t d = 0; d < c.grid.points.size(); ++d) {
     alone.grid.points[d] = 3;

@@ -69,27 +69,27 @@ Stiffness stiffness_of(const Case& c, const Problem& problem) {
   std::vector<double> rates(m);
   look_at_reaction_modes(*problem.model, c.time.start, u, {0, u.n_x(), 0, u.n_y()}, most_cells_looked_at,
                          [&](int i, int j, std::span<const std::complex<double>> modes) {
-    const double x = problem.grid.position(0, i);
-    const double y = problem.grid.dimension == 2 ? problem.grid.position(1, j) : 0.0;
-    for (std::size_t s = 0; s < m; ++s) cell[s] = u.at(static_cast<int>(s), i, j);
-    problem.model->rates_at(c.time.start, x, y, cell.data(), rates.data());
-    if (modes.empty() || !std::all_of(rates.begin(), rates.end(), [](double v) { return std::isfinite(v); })) {
-      result.finite = false;
-      result.at_x = x;
-      result.at_y = y;
-      return false;
-    }
-    for (const std::complex<double>& lambda : modes) {
-      if (std::abs(lambda) > result.reaction) {
-        result.reaction = std::abs(lambda);
-        result.at_x = x;
-        result.at_y = y;
-      }
-      result.growth = std::max(result.growth, lambda.real());
-      if (lambda.real() < 0.0) result.oscillation = std::max(result.oscillation, lambda.imag());
-    }
-    return true;
-  });
+                           const double x = problem.grid.position(0, i);
+                           const double y = problem.grid.dimension == 2 ? problem.grid.position(1, j) : 0.0;
+                           for (std::size_t s = 0; s < m; ++s) cell[s] = u.at(static_cast<int>(s), i, j);
+                           problem.model->rates_at(c.time.start, x, y, cell.data(), rates.data());
+                           if (modes.empty() || !std::all_of(rates.begin(), rates.end(), [](double v) { return std::isfinite(v); })) {
+                             result.finite = false;
+                             result.at_x = x;
+                             result.at_y = y;
+                             return false;
+                           }
+                           for (const std::complex<double>& lambda : modes) {
+                             if (std::abs(lambda) > result.reaction) {
+                               result.reaction = std::abs(lambda);
+                               result.at_x = x;
+                               result.at_y = y;
+                             }
+                             result.growth = std::max(result.growth, lambda.real());
+                             if (lambda.real() < 0.0) result.oscillation = std::max(result.oscillation, lambda.imag());
+                           }
+                           return true;
+                         });
   return result;
 }
 
@@ -137,8 +137,8 @@ Trial try_steps(const Case& c, Problem& problem, MethodStack& stack) {
 
 void describe_stiffness(const Case& c, const Problem& problem, const Stiffness& s, std::vector<std::string>& lines) {
   const double span = c.time.end - c.time.start;
-  const std::string place = problem.grid.dimension == 1 ? fmt::format("x = {:.4g}", s.at_x)
-                                                        : fmt::format("x = {:.4g}, y = {:.4g}", s.at_x, s.at_y);
+  const std::string place =
+      problem.grid.dimension == 1 ? fmt::format("x = {:.4g}", s.at_x) : fmt::format("x = {:.4g}, y = {:.4g}", s.at_x, s.at_y);
   if (!s.finite) {
     lines.push_back(fmt::format("warning: the rates or their derivatives are not finite in the initial state at {}", place));
     return;
@@ -183,8 +183,9 @@ void propose(const Case& c, const Stiffness& s, const Trial& trial, std::vector<
   if (const auto* o = options_of<LieOptions>(c)) step = &o->step;
   if (const auto* o = options_of<StrangOptions>(c)) step = &o->step;
   if (step != nullptr && s.growth > 0.0 && *step * s.growth > 0.1) {
-    lines.push_back(fmt::format("suggestion: a fixed step of {:.2g} or less, a twentieth of the fastest growth time; {:.2g} is {:.2g} of it",
-                                0.05 / s.growth, *step, *step * s.growth));
+    lines.push_back(
+        fmt::format("suggestion: a fixed step of {:.2g} or less, a twentieth of the fastest growth time; {:.2g} is {:.2g} of it",
+                    0.05 / s.growth, *step, *step * s.growth));
   }
   if (trial.first_step > 0.0 && trial.accepted > 2 && trial.rejected > trial.accepted) {
     lines.push_back(fmt::format("suggestion: method.initial_step={:.2g}; the one chosen now is rejected at first", trial.last_step));
@@ -262,9 +263,10 @@ void question_absolute_tolerance(const Case& c, const Problem& problem, double r
       a = std::holds_alternative<double>(*absolute) ? std::get<double>(*absolute) : std::get<NamedList<double>>(*absolute)[s].second;
     }
     if (a < problem.scales()[s]) continue;
-    lines.push_back(fmt::format("warning: method.absolute_tolerance: {} = {:.2g} is not below the largest {} of the initial state, {:.2g}: its error "
-                                "is not controlled unless it grows",
-                                c.model.species[s], a, c.model.species[s], problem.scales()[s]));
+    lines.push_back(
+        fmt::format("warning: method.absolute_tolerance: {} = {:.2g} is not below the largest {} of the initial state, {:.2g}: its error "
+                    "is not controlled unless it grows",
+                    c.model.species[s], a, c.model.species[s], problem.scales()[s]));
   }
 }
 
@@ -305,7 +307,8 @@ double estimated_memory_mib(const Case& c) {
 std::vector<std::string> questionable(const Case& c) {
   std::vector<std::string> lines;
   if (c.model.is_custom()) question_custom_model(c, lines);
-  const bool splits = options_of<LieOptions>(c) != nullptr || options_of<StrangOptions>(c) != nullptr || options_of<AdaptiveStrangOptions>(c) != nullptr;
+  const bool splits =
+      options_of<LieOptions>(c) != nullptr || options_of<StrangOptions>(c) != nullptr || options_of<AdaptiveStrangOptions>(c) != nullptr;
   if (options_of<LieOptions>(c) != nullptr || options_of<StrangOptions>(c) != nullptr) {
     lines.push_back(fmt::format("warning: {} with a fixed step controls no error; measure it with stiffront converge, or half the step",
                                 method_name(c.method)));
@@ -314,10 +317,12 @@ std::vector<std::string> questionable(const Case& c) {
     lines.emplace_back("warning: dcs with a fixed step controls no error; give method.tolerance, or measure it with stiffront converge");
   }
   if (const auto* o = options_of<DcsOptions>(c); o != nullptr && o->tolerance) {
-    if (*o->tolerance > 0.05) lines.emplace_back("warning: method.tolerance: above 0.05 the estimate is outside the range it is derived for");
+    if (*o->tolerance > 0.05)
+      lines.emplace_back("warning: method.tolerance: above 0.05 the estimate is outside the range it is derived for");
     if (*o->tolerance < DeferredCorrectionControl::least_tolerance) {
-      lines.push_back(fmt::format("warning: method.tolerance: below {:.0e} the differences it is compared with are rounding errors; that much is met",
-                                  DeferredCorrectionControl::least_tolerance));
+      lines.push_back(
+          fmt::format("warning: method.tolerance: below {:.0e} the differences it is compared with are rounding errors; that much is met",
+                      DeferredCorrectionControl::least_tolerance));
     }
   }
   if (splits && c.boundary.has_dirichlet()) {
@@ -325,8 +330,9 @@ std::vector<std::string> questionable(const Case& c) {
   }
   if (const auto* o = options_of<AdaptiveStrangOptions>(c)) {
     if (!o->critical_step) {
-      lines.emplace_back("warning: method.critical_step=false: in stiff problems the error estimate means nothing above the critical step, and "
-                         "nothing keeps the steps below it");
+      lines.emplace_back(
+          "warning: method.critical_step=false: in stiff problems the error estimate means nothing above the critical step, and "
+          "nothing keeps the steps below it");
     }
     if (o->species.size() < c.model.species.size()) {
       std::vector<std::string> others;
@@ -335,7 +341,8 @@ std::vector<std::string> questionable(const Case& c) {
       }
       lines.push_back(fmt::format("warning: method.species: the error of {} is not controlled", fmt::join(others, ", ")));
     }
-    if (o->tolerance > 0.05) lines.emplace_back("warning: method.tolerance: above 0.05 the estimate is outside the range it is derived for");
+    if (o->tolerance > 0.05)
+      lines.emplace_back("warning: method.tolerance: above 0.05 the estimate is outside the range it is derived for");
   }
   if (const auto* o = options_of<CvodeOptions>(c); o != nullptr && o->linear_solver == LinearSolver::band && c.grid.dimension() == 2) {
     lines.emplace_back("warning: method.linear_solver=band: in two dimensions gmres is faster");
@@ -362,15 +369,18 @@ std::vector<std::string> guidance(const Case& c, const ModelRegistry& models, co
     MethodStack stack(sample, problem);
     if (!stack.choice().empty()) lines.push_back(stack.choice());
     if (stiffness.finite) {
-      if (const auto* o = options_of<SbdfOptions>(c)) question_absolute_tolerance(c, problem, o->relative_tolerance, o->absolute_tolerance, lines);
-      if (const auto* o = options_of<CvodeOptions>(c)) question_absolute_tolerance(c, problem, o->relative_tolerance, o->absolute_tolerance, lines);
+      if (const auto* o = options_of<SbdfOptions>(c))
+        question_absolute_tolerance(c, problem, o->relative_tolerance, o->absolute_tolerance, lines);
+      if (const auto* o = options_of<CvodeOptions>(c))
+        question_absolute_tolerance(c, problem, o->relative_tolerance, o->absolute_tolerance, lines);
       const Trial trial = try_steps(sample, problem, stack);
       if (trial.accepted > 0) {
         lines.push_back(fmt::format("a step takes about {} on one process{}", seconds_text(share * trial.seconds),
                                     share > 1.0 ? ", scaled up from a part of the grid" : ""));
       }
       if (trial.accepted == 0) {
-        lines.push_back(fmt::format("warning: no step from the initial state was accepted{}{}", trial.failure.empty() ? "" : ": ", trial.failure));
+        lines.push_back(
+            fmt::format("warning: no step from the initial state was accepted{}{}", trial.failure.empty() ? "" : ": ", trial.failure));
       }
       propose(sample, stiffness, trial, lines);
     }

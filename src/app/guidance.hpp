@@ -17,7 +17,7 @@ struct Stiffness {
   double oscillation = 0.0;  ///< largest imaginary part of an eigenvalue whose real part is negative
   double at_x = 0.0;         ///< place of the largest modulus
   double at_y = 0.0;
-  bool finite = true;        ///< otherwise some cell's rates or derivatives are not, and at_x, at_y is the first such cell
+  bool finite = true;  ///< otherwise some cell's rates or derivatives are not, and at_x, at_y is the first such cell
 };
 
 /// What a case is going to be like, from a look at its initial state: unknowns and memory, stiffness, the time a step takes (measured

@@ -44,8 +44,7 @@ std::string default_text(const Key& key, const Case& defaults) {
 std::string row(const Key& key, const Case& defaults) {
   std::string name = key.path.substr(key.path.find('.') + 1);
   if (name == "*") name = "SPECIES";
-  return fmt::format("| `{}` | {} | {} | {} |\n", name, table_cell(key.expected), default_text(key, defaults),
-                     table_cell(key.doc));
+  return fmt::format("| `{}` | {} | {} | {} |\n", name, table_cell(key.expected), default_text(key, defaults), table_cell(key.doc));
 }
 
 constexpr const char* table_head = "\n| key | value | default | meaning |\n| --- | --- | --- | --- |\n";

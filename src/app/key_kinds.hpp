@@ -45,9 +45,7 @@ auto writer(Get get, ToText to_text) {
 template <typename Get>
 Key number(std::string path, Range range, Get get, std::string doc) {
   Key key(std::move(path), range.words("number"), std::move(doc));
-  key.read = [range, get](Case& c, const ConfigNode& node, const std::string& p) {
-    get(c) = read_number(node, p, range);
-  };
+  key.read = [range, get](Case& c, const ConfigNode& node, const std::string& p) { get(c) = read_number(node, p, range); };
   key.write = writer(get, [](double x) { return toml_text(x); });
   return key;
 }
@@ -98,9 +96,7 @@ Key boolean(std::string path, Get get, std::string doc) {
 template <typename Get>
 Key text(std::string path, std::string expected, Get get, std::string doc) {
   Key key(std::move(path), std::move(expected), std::move(doc));
-  key.read = [get, words = key.expected](Case& c, const ConfigNode& node, const std::string& p) {
-    get(c) = read_string(node, p, words);
-  };
+  key.read = [get, words = key.expected](Case& c, const ConfigNode& node, const std::string& p) { get(c) = read_string(node, p, words); };
   key.write = writer(get, [](const std::string& s) { return s.empty() ? "" : toml_text(s); });
   return key;
 }
@@ -109,9 +105,7 @@ Key text(std::string path, std::string expected, Get get, std::string doc) {
 template <typename Get>
 Key word(std::string path, std::vector<std::string> allowed, Get get, std::string doc) {
   Key key = text(std::move(path), quoted_alternatives(allowed), get, std::move(doc));
-  key.read = [get, allowed](Case& c, const ConfigNode& node, const std::string& p) {
-    get(c) = read_word(node, p, allowed);
-  };
+  key.read = [get, allowed](Case& c, const ConfigNode& node, const std::string& p) { get(c) = read_word(node, p, allowed); };
   return key;
 }
 
@@ -149,9 +143,8 @@ Key integers(std::string path, std::string expected, Range range, Empty empty, G
   using Integer = typename Target<Get>::value_type;
   Key key(std::move(path), std::move(expected), std::move(doc));
   key.read = [get, range, empty, words = key.expected](Case& c, const ConfigNode& node, const std::string& p) {
-    get(c) = read_array(node, p, words, empty == Empty::allowed, [&range](const ConfigNode& n, const std::string& at) {
-      return static_cast<Integer>(read_integer(n, at, range));
-    });
+    get(c) = read_array(node, p, words, empty == Empty::allowed,
+                        [&range](const ConfigNode& n, const std::string& at) { return static_cast<Integer>(read_integer(n, at, range)); });
   };
   key.write = writer(get, [](const auto& list) { return toml_text(list); });
   return key;
@@ -162,9 +155,8 @@ template <typename Get>
 Key names(std::string path, Get get, std::string doc) {
   Key key(std::move(path), "an array of names in quotation marks", std::move(doc));
   key.read = [get, words = key.expected](Case& c, const ConfigNode& node, const std::string& p) {
-    get(c) = read_array(node, p, words, false, [](const ConfigNode& n, const std::string& at) {
-      return read_string(n, at, "a name in quotation marks");
-    });
+    get(c) = read_array(node, p, words, false,
+                        [](const ConfigNode& n, const std::string& at) { return read_string(n, at, "a name in quotation marks"); });
   };
   key.write = writer(get, [](const std::vector<std::string>& list) { return list.empty() ? "" : toml_text(list); });
   return key;

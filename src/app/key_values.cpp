@@ -19,8 +19,8 @@ constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), true, fal
 }  // namespace
 
 void refuse(const ConfigNode& node, const std::string& path, const std::string& expected, const std::string& hint) {
-  throw Error(ErrorKind::input, one_line(fmt::format("{}: {}: expected {}, got {}{}", node.origin, path, expected,
-                                                     short_text(node), hint)));
+  throw Error(ErrorKind::input,
+              one_line(fmt::format("{}: {}: expected {}, got {}{}", node.origin, path, expected, short_text(node), hint)));
 }
 
 bool Range::contains(double x) const {
@@ -72,8 +72,7 @@ SideOptions read_side(const ConfigNode& node, const std::string& path, const std
   const bool is_table = node.type == Type::table;
   const ConfigNode* type = is_table ? node.find("type") : &node;
   if (type == nullptr) {
-    throw Error(ErrorKind::input,
-                fmt::format("{}: {}: type is missing: {}", node.origin, path, quoted_alternatives(kinds)));
+    throw Error(ErrorKind::input, fmt::format("{}: {}: type is missing: {}", node.origin, path, quoted_alternatives(kinds)));
   }
   if (!is_table && type->type != Type::string) refuse(node, path, expected);
   const std::string kind = read_word(*type, is_table ? path + ".type" : path, kinds);
@@ -140,8 +139,7 @@ std::string side_text(const SideOptions& side) {
 }
 
 std::string reaction_text(const ReactionOptions& reaction) {
-  std::string text =
-      fmt::format("{{ equation = {}, rate = {}", toml_text(reaction.equation), value_text(reaction.rate));
+  std::string text = fmt::format("{{ equation = {}, rate = {}", toml_text(reaction.equation), value_text(reaction.rate));
   if (reaction.reverse_rate) text += fmt::format(", reverse_rate = {}", value_text(*reaction.reverse_rate));
   if (!reaction.mass_action) text += ", mass_action = false";
   return text + " }";

@@ -15,8 +15,7 @@
 namespace stiffront::app {
 
 /// @throws Error(input) "ORIGIN: PATH: expected EXPECTED, got VALUE"
-[[noreturn]] void refuse(const ConfigNode& node, const std::string& path, const std::string& expected,
-                         const std::string& hint = "");
+[[noreturn]] void refuse(const ConfigNode& node, const std::string& path, const std::string& expected, const std::string& hint = "");
 
 /// Finite numbers between two bounds.
 struct Range {
@@ -40,8 +39,7 @@ Tolerance read_tolerance(const ConfigNode& node, const std::string& path, const 
 ReactionOptions read_reaction(const ConfigNode& node, const std::string& path);
 
 template <typename ReadElement>
-auto read_array(const ConfigNode& node, const std::string& path, const std::string& expected, bool may_be_empty,
-                ReadElement read_element) {
+auto read_array(const ConfigNode& node, const std::string& path, const std::string& expected, bool may_be_empty, ReadElement read_element) {
   std::vector<std::decay_t<decltype(read_element(node, path))>> result;
   if (node.type != ConfigNode::Type::array || (node.elements.empty() && !may_be_empty)) refuse(node, path, expected);
   for (std::size_t i = 0; i < node.elements.size(); ++i) {

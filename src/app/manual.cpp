@@ -40,33 +40,38 @@ std::string manual_page() {
   text += ".SH NAME\nstiffront \\- solve stiff reaction\\-diffusion equations on many processes\n.SH SYNOPSIS\n";
   const std::vector<CommandHelp> commands = command_help();
   for (std::size_t k = 0; k < commands.size(); ++k) text += (k == 0 ? "" : ".br\n") + synopsis(commands[k]);
-  text += ".br\n.B stiffront\n.RB [ \\-\\-version | \\-\\-help ]\n.SH DESCRIPTION\n"
-          "A case file in TOML describes grid, boundary, model, initial state, method and output.\n"
-          ".B stiffront run\nsolves it, on many processes under\n.BR mpirun (1);\nthe result has the same bits on any number of them.\n"
-          "Any entry is replaced by\n.I KEY=VALUE\non the command line, and the name of a built\\-in case stands for its file.\n.SH COMMANDS\n";
+  text +=
+      ".br\n.B stiffront\n.RB [ \\-\\-version | \\-\\-help ]\n.SH DESCRIPTION\n"
+      "A case file in TOML describes grid, boundary, model, initial state, method and output.\n"
+      ".B stiffront run\nsolves it, on many processes under\n.BR mpirun (1);\nthe result has the same bits on any number of them.\n"
+      "Any entry is replaced by\n.I KEY=VALUE\non the command line, and the name of a built\\-in case stands for its file.\n.SH COMMANDS\n";
   for (const CommandHelp& command : commands) {
     text += fmt::format(".SS {}\n{}\n", command.name, roff(command.description));
     for (const std::vector<CommandHelp::Entry>& entries : {command.positionals, command.options}) {
       for (const CommandHelp::Entry& e : entries) {
-        text += e.value.empty() ? fmt::format(".TP\n.B {}\n", roff(e.name)) : fmt::format(".TP\n.BI {} \" {}\"\n", roff(e.name), roff(e.value));
+        text +=
+            e.value.empty() ? fmt::format(".TP\n.B {}\n", roff(e.name)) : fmt::format(".TP\n.BI {} \" {}\"\n", roff(e.name), roff(e.value));
         text += roff(e.description) + "\n";
       }
     }
   }
   text += ".SH EXIT STATUS\n";
-  const std::pair<const char*, const char*> statuses[] = {{"0", "done"},
-                                                          {"2", "wrong command line"},
-                                                          {"3", "bad case file or input"},
-                                                          {"4", "numerical failure"},
-                                                          {"5", "a file could not be read or written"},
-                                                          {"6", "MPI failure"},
-                                                          {"70", "a bug of the program"},
-                                                          {"75", "stopped early on request, with a valid checkpoint: run again with --restart latest"}};
+  const std::pair<const char*, const char*> statuses[] = {
+      {"0", "done"},
+      {"2", "wrong command line"},
+      {"3", "bad case file or input"},
+      {"4", "numerical failure"},
+      {"5", "a file could not be read or written"},
+      {"6", "MPI failure"},
+      {"70", "a bug of the program"},
+      {"75", "stopped early on request, with a valid checkpoint: run again with --restart latest"}};
   for (const auto& [status, meaning] : statuses) text += fmt::format(".TP\n.B {}\n{}\n", status, roff(meaning));
-  text += ".SH SIGNALS\n.TP\n.B SIGUSR1\nwrite a checkpoint and go on\n.TP\n.B SIGUSR2, SIGTERM\nwrite a checkpoint and stop with status 75\n"
-          ".SH EXAMPLES\n.nf\nstiffront case bz\\-1d > my.toml\nstiffront check my.toml method.tolerance=1e\\-6\n"
-          "mpirun \\-n 2 stiffront run my.toml method.tolerance=1e\\-6 \\-o out\nstiffront plot out\nstiffront report out\nstiffront stability nodes=gauss\\-legendre node_count=6\n.fi\n"
-          ".SH SEE ALSO\n.BR mpirun (1)\n";
+  text +=
+      ".SH SIGNALS\n.TP\n.B SIGUSR1\nwrite a checkpoint and go on\n.TP\n.B SIGUSR2, SIGTERM\nwrite a checkpoint and stop with status 75\n"
+      ".SH EXAMPLES\n.nf\nstiffront case bz\\-1d > my.toml\nstiffront check my.toml method.tolerance=1e\\-6\n"
+      "mpirun \\-n 2 stiffront run my.toml method.tolerance=1e\\-6 \\-o out\nstiffront plot out\nstiffront report out\nstiffront stability "
+      "nodes=gauss\\-legendre node_count=6\n.fi\n"
+      ".SH SEE ALSO\n.BR mpirun (1)\n";
   return text;
 }
 

@@ -30,10 +30,12 @@ void require_memory(const Case& c, const Communicator& comm) {
     if (available <= 0.0 || needed <= available) return;
     std::string points = fmt::format("{}", c.grid.points[0]);
     for (std::size_t d = 1; d < c.grid.points.size(); ++d) points += fmt::format(" x {}", c.grid.points[d]);
-    throw Error(ErrorKind::input,
-                fmt::format("{}: grid.points: {} points need about {:.3g} GiB of memory on this host with its {} of {} processes, and {:.3g} GiB are "
-                            "free; take a coarser grid or processes on more hosts",
-                            c.file, points, needed / 1024.0, here, comm.size(), available / 1024.0));
+    throw Error(
+        ErrorKind::input,
+        fmt::format(
+            "{}: grid.points: {} points need about {:.3g} GiB of memory on this host with its {} of {} processes, and {:.3g} GiB are "
+            "free; take a coarser grid or processes on more hosts",
+            c.file, points, needed / 1024.0, here, comm.size(), available / 1024.0));
   });
 }
 

@@ -93,7 +93,8 @@ double MethodStack::make_flows(const Case& c, Problem& problem, double finest_re
 
 MethodStack::MethodStack(const Case& c, Problem& problem, Purpose purpose) : purpose_(purpose) {
   if (c.space.quadrature_order.value_or(c.space.order) != c.space.order && !std::holds_alternative<DcsOptions>(c.method)) {
-    throw Error(ErrorKind::input, fmt::format("{}: space.quadrature_order: only the method \"dcs\" has a quadrature; leave it out", c.file));
+    throw Error(ErrorKind::input,
+                fmt::format("{}: space.quadrature_order: only the method \"dcs\" has a quadrature; leave it out", c.file));
   }
   chosen_ = c.method;
   std::visit([&](const auto& options) { make(c, options, problem); }, c.method);
@@ -106,7 +107,8 @@ void MethodStack::make(const Case& c, const LieOptions& o, Problem& problem) {
 
 void MethodStack::make(const Case& c, const StrangOptions& o, Problem& problem) {
   make_flows(c, problem, no_bound, no_bound);
-  method_ = std::make_unique<FixedStep>(problem.decomposition, problem.boundary, *reaction_, *diffusion_, strang(order_of(o.order)), o.step);
+  method_ =
+      std::make_unique<FixedStep>(problem.decomposition, problem.boundary, *reaction_, *diffusion_, strang(order_of(o.order)), o.step);
 }
 
 void MethodStack::make(const Case& c, const AdaptiveStrangOptions& o, Problem& problem) {
@@ -135,9 +137,10 @@ void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
   if (const int order = c.space.quadrature_order.value_or(c.space.order); order != c.space.order) {
     // The hybrid of section 6.1. Its iterates differ from the quadrature by the error in space, which no step makes small.
     if (o.tolerance) {
-      throw Error(ErrorKind::input, fmt::format("{}: space.quadrature_order: the error estimate of dcs would measure the difference between orders {} and {} "
-                                                "in space, which no step makes small; use a fixed method.step, or the same order for both",
-                                                c.file, c.space.order, order));
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: space.quadrature_order: the error estimate of dcs would measure the difference between orders {} and {} "
+                              "in space, which no step makes small; use a fixed method.step, or the same order for both",
+                              c.file, c.space.order, order));
     }
     quadrature_diffusion_ = std::make_unique<DiffusionOperator>(problem.grid, problem.boundary, diffusion_coefficients(c), order);
     quadrature_rhs_ = std::make_unique<CoupledRhs>(problem.decomposition, *quadrature_diffusion_, *problem.model);
@@ -154,12 +157,18 @@ void MethodStack::make(const Case& c, const DcsOptions& o, Problem& problem) {
   d.max_iterations = o.max_iterations.value_or(4);
   d.strang = o.splitting == Splitting::strang;
   switch (o.step_rule) {
-    case StepRule::k: d.step_rule = DeferredCorrectionOptions::StepRule::k; break;
-    case StepRule::kmax: d.step_rule = DeferredCorrectionOptions::StepRule::kmax; break;
-    case StepRule::min: d.step_rule = DeferredCorrectionOptions::StepRule::min; break;
+    case StepRule::k:
+      d.step_rule = DeferredCorrectionOptions::StepRule::k;
+      break;
+    case StepRule::kmax:
+      d.step_rule = DeferredCorrectionOptions::StepRule::kmax;
+      break;
+    case StepRule::min:
+      d.step_rule = DeferredCorrectionOptions::StepRule::min;
+      break;
   }
-  d.exponent = o.exponent == StepExponent::observed ? DeferredCorrectionOptions::Exponent::observed
-                                                    : DeferredCorrectionOptions::Exponent::published;
+  d.exponent =
+      o.exponent == StepExponent::observed ? DeferredCorrectionOptions::Exponent::observed : DeferredCorrectionOptions::Exponent::published;
   d.safety = o.safety;
   d.predict = o.predict;
   d.initial_step = o.initial_step;
@@ -190,7 +199,8 @@ void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem)
     propagator_ = std::make_unique<FlowPropagator>(*reaction_, *diffusion_,
                                                    o.splitting == SdcSplitting::lie ? lie(stiffront::SplittingOrder::reaction_last)
                                                                                     : strang(stiffront::SplittingOrder::reaction_last));
-    method_ = std::make_unique<SpectralDeferredCorrection>(problem.state, problem.rhs, *propagator_, problem.model.get(), sdc_parameters(o));
+    method_ =
+        std::make_unique<SpectralDeferredCorrection>(problem.state, problem.rhs, *propagator_, problem.model.get(), sdc_parameters(o));
     return;
   }
   ImplicitTerms terms;
@@ -214,10 +224,13 @@ void MethodStack::make(const Case& c, const SdcOptions& given, Problem& problem)
       implicit_part_ = make_multigrid_part(problem.state, problem.diffusion, *problem.model, terms, o.linear_tolerance);
       break;
     case SdcSolver::automatic:
-    case SdcSolver::cell_local: implicit_part_ = make_cell_local_part(problem.state, problem.diffusion, *problem.model, terms); break;
+    case SdcSolver::cell_local:
+      implicit_part_ = make_cell_local_part(problem.state, problem.diffusion, *problem.model, terms);
+      break;
   }
 
-  method_ = std::make_unique<SpectralDeferredCorrection>(problem.state, problem.rhs, *implicit_part_, problem.model.get(), sdc_parameters(o));
+  method_ =
+      std::make_unique<SpectralDeferredCorrection>(problem.state, problem.rhs, *implicit_part_, problem.model.get(), sdc_parameters(o));
 }
 
 void MethodStack::make(const Case&, const SbdfOptions& o, Problem& problem) {
@@ -234,8 +247,8 @@ void MethodStack::make(const Case&, const CvodeOptions& o, Problem& problem) {
   stiffront::CvodeOptions k;
   k.relative_tolerance = o.relative_tolerance;
   k.absolute_tolerance = per_species(o.absolute_tolerance.value_or(Tolerance{0.01 * o.relative_tolerance}), problem);
-  k.linear_solver = o.linear_solver == LinearSolver::band ? stiffront::CvodeOptions::LinearSolver::band
-                                                          : stiffront::CvodeOptions::LinearSolver::gmres;
+  k.linear_solver =
+      o.linear_solver == LinearSolver::band ? stiffront::CvodeOptions::LinearSolver::band : stiffront::CvodeOptions::LinearSolver::gmres;
   method_ = std::make_unique<Cvode>(problem.state, problem.rhs, std::move(k));
 }
 
@@ -250,7 +263,8 @@ void MethodStack::make(const Case& c, const AutoOptions& o, Problem& problem) {
                                 problem.transport ? "first derivatives" : "differences of order 8");
     choice.method = std::move(cvode);
   } else {
-    choice = choose_method({o.tolerance, c.time.end - c.time.start, problem.diffusion.spectral_radius(), c.grid.dimension(), problem.model->n_species()});
+    choice = choose_method(
+        {o.tolerance, c.time.end - c.time.start, problem.diffusion.spectral_radius(), c.grid.dimension(), problem.model->n_species()});
   }
   choice_ = std::move(choice.reason);
   chosen_ = std::move(choice.method);

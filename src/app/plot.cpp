@@ -35,9 +35,10 @@ template <class Command>
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   execvp(arguments[0], arguments.data());
-  throw Error(ErrorKind::io,
-              fmt::format("python3, which draws the pictures, cannot be started: {} (Debian: apt-get install python3-h5py python3-matplotlib)",
-                          std::strerror(errno)));
+  throw Error(
+      ErrorKind::io,
+      fmt::format("python3, which draws the pictures, cannot be started: {} (Debian: apt-get install python3-h5py python3-matplotlib)",
+                  std::strerror(errno)));
 }
 
 }  // namespace

@@ -83,9 +83,15 @@ Boundary make_boundary(const Case& c) {
       const SideOptions& o = c.boundary.sides[d][side];
       BoundarySide& b = sides[d][side];
       switch (o.kind) {
-        case BoundaryKind::neumann: b.kind = stiffront::BoundaryKind::neumann; break;
-        case BoundaryKind::periodic: b.kind = stiffront::BoundaryKind::periodic; break;
-        case BoundaryKind::dirichlet: b.kind = stiffront::BoundaryKind::dirichlet; break;
+        case BoundaryKind::neumann:
+          b.kind = stiffront::BoundaryKind::neumann;
+          break;
+        case BoundaryKind::periodic:
+          b.kind = stiffront::BoundaryKind::periodic;
+          break;
+        case BoundaryKind::dirichlet:
+          b.kind = stiffront::BoundaryKind::dirichlet;
+          break;
       }
       for (const auto& of_species : o.values) {
         const std::string key = fmt::format("boundary.{}_{}.{}", d == 0 ? "x" : "y", side == 0 ? "lower" : "upper", of_species.first);

@@ -87,8 +87,7 @@ class Obey {
     if (command.what == "cases") return said(case_list(models));
     if (command.what == "models") return said(model_list(models));
     if (command.what == "methods") return said(method_list());
-    return said(
-        fmt::format("cases\n\n{}\nmodels\n\n{}\nmethods\n\n{}", case_list(models), model_list(models), method_list()));
+    return said(fmt::format("cases\n\n{}\nmodels\n\n{}\nmethods\n\n{}", case_list(models), model_list(models), method_list()));
   }
 
   int operator()(const CaseCommand& command) const {
@@ -97,8 +96,8 @@ class Obey {
       if (c.name == command.name) return said(std::string(c.text));
       names.emplace_back(c.name);
     }
-    throw Error(ErrorKind::usage, fmt::format("unknown case {}{}", command.name,
-                                              with_allowed(suggestion(command.name, names), " cases", names)));
+    throw Error(ErrorKind::usage,
+                fmt::format("unknown case {}{}", command.name, with_allowed(suggestion(command.name, names), " cases", names)));
   }
 
   int operator()(const InfoCommand& command) const { return said(describe_file(command.file)); }

@@ -28,17 +28,15 @@ constexpr Range from(double lower, double upper) { return {lower, upper, false, 
 
 std::vector<Key> grid_keys() {
   return {
-      required(integers("grid.points", "one or two integers, the points in each direction", from(2, 1e9),
-                        Empty::refused, STIFFRONT_OPTION(grid.points),
-                        "grid points in each direction, end points included; one entry: 1-D, two: 2-D")),
-      with_default(numbers("grid.lower", "one number for each direction", any, Empty::refused,
-                           STIFFRONT_OPTION(grid.lower), "lower end of the domain"),
+      required(integers("grid.points", "one or two integers, the points in each direction", from(2, 1e9), Empty::refused,
+                        STIFFRONT_OPTION(grid.points), "grid points in each direction, end points included; one entry: 1-D, two: 2-D")),
+      with_default(numbers("grid.lower", "one number for each direction", any, Empty::refused, STIFFRONT_OPTION(grid.lower),
+                           "lower end of the domain"),
                    "0 in each direction"),
-      with_default(
-          numbers("grid.upper", "one number for each direction", any, Empty::refused, STIFFRONT_OPTION(grid.upper),
-                  "upper end of the domain; a periodic direction has no point there and the spacing "
-                  "(upper - lower) / points"),
-          "1 in each direction"),
+      with_default(numbers("grid.upper", "one number for each direction", any, Empty::refused, STIFFRONT_OPTION(grid.upper),
+                           "upper end of the domain; a periodic direction has no point there and the spacing "
+                           "(upper - lower) / points"),
+                   "1 in each direction"),
       with_default(integers("grid.processes", "one integer for each direction", from(0, 1e6), Empty::refused,
                             STIFFRONT_OPTION(grid.processes), "processes in each direction; 0 = chosen by the program"),
                    "0 in each direction"),
@@ -49,12 +47,10 @@ enum class Side { lower, upper, both };
 
 Key boundary_key(std::size_t direction, Side side) {
   const std::string axis(1, "xy"[direction]);
-  Key key("boundary." + axis,
-          R"("neumann", "periodic", "dirichlet" or a table { type = "dirichlet", SPECIES = VALUE, ... })",
-          fmt::format(
-              "both sides in {}{}: no flux, periodic, or given values; a value is a number or an expression in t, x, "
-              "y and the parameters, 0 for a species not named",
-              axis, direction == 1 ? " (2-D only)" : ""));
+  Key key("boundary." + axis, R"("neumann", "periodic", "dirichlet" or a table { type = "dirichlet", SPECIES = VALUE, ... })",
+          fmt::format("both sides in {}{}: no flux, periodic, or given values; a value is a number or an expression in t, x, "
+                      "y and the parameters, 0 for a species not named",
+                      axis, direction == 1 ? " (2-D only)" : ""));
   key.default_note = R"("neumann")";
   if (side != Side::both) {
     const char* name = side == Side::lower ? "lower" : "upper";
@@ -87,12 +83,10 @@ std::vector<Key> boundary_keys() {
 
 std::vector<Key> space_keys() {
   return {
-      integer_of("space.order", {2, 4, 8}, "2, 4 or 8", STIFFRONT_OPTION(space.order),
-                 "order of the centred differences"),
-      with_default(
-          integer_of("space.quadrature_order", {2, 4, 8}, "2, 4 or 8", STIFFRONT_OPTION(space.quadrature_order),
-                     "order of the differences in the collocation quadrature of dcs"),
-          "space.order"),
+      integer_of("space.order", {2, 4, 8}, "2, 4 or 8", STIFFRONT_OPTION(space.order), "order of the centred differences"),
+      with_default(integer_of("space.quadrature_order", {2, 4, 8}, "2, 4 or 8", STIFFRONT_OPTION(space.quadrature_order),
+                              "order of the differences in the collocation quadrature of dcs"),
+                   "space.order"),
   };
 }
 
@@ -100,8 +94,7 @@ Key parameters_key() {
   Key key("model.parameters", "a table of numbers", "parameters of the model by name");
   key.default_note = "those of the model";
   key.read = [words = key.expected](Case& c, const ConfigNode& node, const std::string& path) {
-    c.model.parameters =
-        read_entries(node, path, words, [](const ConfigNode& n, const std::string& at) { return read_number(n, at); });
+    c.model.parameters = read_entries(node, path, words, [](const ConfigNode& n, const std::string& at) { return read_number(n, at); });
   };
   key.write = [](const Case& c) { return entries_text(c.model.parameters); };
   return key;
@@ -144,11 +137,10 @@ Key reaction_key() {
 }
 
 Key reactions_key() {
-  Key key(
-      "model.reactions", R"(an array of tables { equation = "...", rate = ... })",
-      "custom only: a reaction network, instead of model.reaction or added to it: [[model.reactions]] with an equation like "
-      "\"2 u + v -> 3 u\" and a rate, a number or an expression; also reverse_rate, of the backward direction of <->, "
-      "and mass_action = false where rate is the whole rate");
+  Key key("model.reactions", R"(an array of tables { equation = "...", rate = ... })",
+          "custom only: a reaction network, instead of model.reaction or added to it: [[model.reactions]] with an equation like "
+          "\"2 u + v -> 3 u\" and a rate, a number or an expression; also reverse_rate, of the backward direction of <->, "
+          "and mass_action = false where rate is the whole rate");
   key.default_note = "none";
   key.read = [words = key.expected](Case& c, const ConfigNode& node, const std::string& path) {
     c.model.reactions = read_array(node, path, words, false, read_reaction);
@@ -166,9 +158,8 @@ Key units_key() {
           "units of x (and y), t and the species, as in { x = \"cm\", t = \"s\" }: pictures show them, nothing is converted");
   key.default_note = "none";
   key.read = [words = key.expected](Case& c, const ConfigNode& node, const std::string& path) {
-    c.model.units = read_entries(node, path, words, [](const ConfigNode& n, const std::string& at) {
-      return read_string(n, at, "a unit in quotation marks");
-    });
+    c.model.units = read_entries(
+        node, path, words, [](const ConfigNode& n, const std::string& at) { return read_string(n, at, "a unit in quotation marks"); });
   };
   key.write = [](const Case& c) { return entries_text(c.model.units); };
   return key;
@@ -176,8 +167,7 @@ Key units_key() {
 
 std::vector<Key> model_keys() {
   Key species =
-      with_default(names("model.species", STIFFRONT_OPTION(model.species), "custom only: names of the species"),
-                   "those of the model");
+      with_default(names("model.species", STIFFRONT_OPTION(model.species), "custom only: names of the species"), "those of the model");
   species.write = [](const Case& c) { return c.model.is_custom() ? toml_text(c.model.species) : ""; };
   return {
       required(text("model.name", "the name of a model in quotation marks", STIFFRONT_OPTION(model.name),
@@ -214,8 +204,8 @@ Key initial_expressions_key() {
 
 std::vector<Key> initial_keys() {
   return {
-      with_default(text("initial.profile", "the name of a profile in quotation marks",
-                        STIFFRONT_OPTION(initial.profile), "a profile of the model, see `stiffront list models`; or"),
+      with_default(text("initial.profile", "the name of a profile in quotation marks", STIFFRONT_OPTION(initial.profile),
+                        "a profile of the model, see `stiffront list models`; or"),
                    "none"),
       initial_expressions_key(),
       with_default(text("initial.file", "the name of a result file in quotation marks", STIFFRONT_OPTION(initial.file),
@@ -232,16 +222,14 @@ std::vector<Key> time_keys() {
               "times a step must land on, such as discontinuities in the data; increasing"),
       number("time.restart_step.period", not_negative, STIFFRONT_OPTION(time.restart_step.period),
              "at the end of every such period the trial step is set to restart_step.step; 0 = never"),
-      number("time.restart_step.step", not_negative, STIFFRONT_OPTION(time.restart_step.step),
-             "trial step at the start of a period"),
+      number("time.restart_step.step", not_negative, STIFFRONT_OPTION(time.restart_step.step), "trial step at the start of a period"),
   };
 }
 
 template <typename Options>
 std::vector<Key> fixed_splitting_keys() {
   return {
-      required(number("method.step", positive, STIFFRONT_METHOD(Options, step),
-                      "time step; with [converge] it may be left out")),
+      required(number("method.step", positive, STIFFRONT_METHOD(Options, step), "time step; with [converge] it may be left out")),
       choice("method.order", STIFFRONT_METHOD(Options, order), "which flow a step ends with"),
   };
 }
@@ -251,10 +239,8 @@ std::vector<Key> adaptive_strang_keys() {
   return {
       number("method.tolerance", positive, STIFFRONT_METHOD(Options, tolerance),
              "bound on the local error estimate, relative to the maximum of each species"),
-      number("method.initial_step", not_negative, STIFFRONT_METHOD(Options, initial_step),
-             "first trial step; 0 = chosen by the program"),
-      number("method.epsilon", below_half, STIFFRONT_METHOD(Options, epsilon),
-             "shift of the embedded splitting at the start"),
+      number("method.initial_step", not_negative, STIFFRONT_METHOD(Options, initial_step), "first trial step; 0 = chosen by the program"),
+      number("method.epsilon", below_half, STIFFRONT_METHOD(Options, epsilon), "shift of the embedded splitting at the start"),
       number("method.epsilon_max", below_half, STIFFRONT_METHOD(Options, epsilon_max),
              "largest shift; from 1/2 on a reaction substep would run backwards"),
       boolean("method.critical_step", STIFFRONT_METHOD(Options, critical_step),
@@ -262,19 +248,18 @@ std::vector<Key> adaptive_strang_keys() {
       integer("method.period", from(1, 1e9), STIFFRONT_METHOD(Options, period),
               "accepted steps between two estimates of the critical step"),
       number("method.safety", fraction, STIFFRONT_METHOD(Options, safety), "factor on the step the tolerance allows"),
-      number("method.critical_safety", fraction, STIFFRONT_METHOD(Options, critical_safety),
-             "factor on the critical step"),
+      number("method.critical_safety", fraction, STIFFRONT_METHOD(Options, critical_safety), "factor on the critical step"),
       number("method.beta", fraction, STIFFRONT_METHOD(Options, beta),
              "the shift is adapted when the step leaves [beta, gamma] times the critical step"),
       number("method.gamma", fraction, STIFFRONT_METHOD(Options, gamma), "see beta"),
-      number("method.theta", positive, STIFFRONT_METHOD(Options, theta),
-             "an adapted shift puts the critical step at theta times the step"),
-      number("method.max_growth", above_one, STIFFRONT_METHOD(Options, max_growth),
-             "largest factor from one trial step to the next"),
-      with_default(number("method.final_error", not_negative, STIFFRONT_METHOD(Options, final_error),
-                          "error at the end, in tolerances, for which steps are kept small enough, told by a second solution with four times the step; "
-                          "0: neither estimated nor kept; only with critical_step"),
-                   "3; below a tolerance of 3e-7 more, 2 (1e-6/tolerance)^(1/3)"),
+      number("method.theta", positive, STIFFRONT_METHOD(Options, theta), "an adapted shift puts the critical step at theta times the step"),
+      number("method.max_growth", above_one, STIFFRONT_METHOD(Options, max_growth), "largest factor from one trial step to the next"),
+      with_default(
+          number(
+              "method.final_error", not_negative, STIFFRONT_METHOD(Options, final_error),
+              "error at the end, in tolerances, for which steps are kept small enough, told by a second solution with four times the step; "
+              "0: neither estimated nor kept; only with critical_step"),
+          "3; below a tolerance of 3e-7 more, 2 (1e-6/tolerance)^(1/3)"),
       choice("method.order", STIFFRONT_METHOD(Options, order), "which flow a step ends with"),
       with_default(names("method.species", STIFFRONT_METHOD(Options, species), "species that enter the error"), "all"),
   };
@@ -283,12 +268,11 @@ std::vector<Key> adaptive_strang_keys() {
 std::vector<Key> dcs_keys() {
   using Options = DcsOptions;
   return {
-      with_default(number("method.tolerance", positive, STIFFRONT_METHOD(Options, tolerance),
-                          "bound on the local error estimate; or"),
+      with_default(number("method.tolerance", positive, STIFFRONT_METHOD(Options, tolerance), "bound on the local error estimate; or"),
                    "none"),
-      with_default(number("method.step", positive, STIFFRONT_METHOD(Options, step),
-                          "fixed time step; with [converge] both may be left out"),
-                   "none"),
+      with_default(
+          number("method.step", positive, STIFFRONT_METHOD(Options, step), "fixed time step; with [converge] both may be left out"),
+          "none"),
       choice("method.splitting", STIFFRONT_METHOD(Options, splitting), "the splitting that is corrected"),
       integer("method.stages", from(2, 5), STIFFRONT_METHOD(Options, stages), "stages of Radau IIA"),
       with_default(integer("method.max_iterations", from(0, 20), STIFFRONT_METHOD(Options, max_iterations),
@@ -315,9 +299,7 @@ std::vector<Key> sdc_keys() {
   return {
       choice("method.nodes", STIFFRONT_METHOD(Options, nodes), "family of the collocation nodes"),
       integer("method.node_count", from(2, 10), STIFFRONT_METHOD(Options, node_count), "collocation nodes in a step"),
-      with_default(number("method.step", positive, STIFFRONT_METHOD(Options, step),
-                          "fixed time step, all nodes together; or"),
-                   "none"),
+      with_default(number("method.step", positive, STIFFRONT_METHOD(Options, step), "fixed time step, all nodes together; or"), "none"),
       with_default(number("method.tolerance", positive, STIFFRONT_METHOD(Options, tolerance),
                           "bound on the residual of the last node, relative to the maximum of each species; with [converge] both may "
                           "be left out"),
@@ -330,8 +312,7 @@ std::vector<Key> sdc_keys() {
       with_default(integer("method.corrections", from(0, 40), STIFFRONT_METHOD(Options, corrections),
                            "correction sweeps in a step; with tolerance: the most"),
                    "order of the quadrature - starting_order"),
-      boolean("method.consistent", STIFFRONT_METHOD(Options, consistent),
-              "sweeps repeat the explicit part at the corrected values"),
+      boolean("method.consistent", STIFFRONT_METHOD(Options, consistent), "sweeps repeat the explicit part at the corrected values"),
       choice("method.correction", STIFFRONT_METHOD(Options, correction),
              "form of the sweeps; \"alternative\" only with starting_order = 1, consistent and step"),
       choice("method.final_update", STIFFRONT_METHOD(Options, final_update),
@@ -343,10 +324,11 @@ std::vector<Key> sdc_keys() {
                    "1 for space.order = 2, otherwise 2; with splitting = \"diagonal\" 0.25"),
       number("method.gamma_advection", not_negative, STIFFRONT_METHOD(Options, gamma_advection),
              "factor on the first derivatives of the implicit part, for models that have them"),
-      choice("method.splitting", STIFFRONT_METHOD(Options, splitting),
-             "\"preconditioned\": diffusion and the Jacobian of the reaction are implicit; \"imex\": one of them; \"lie\", \"strang\": "
-             "the flows of reaction and diffusion, to the tolerances of their solvers, are start and correction; \"diagonal\": the fast one, "
-             "all Radau nodes of a step in parallel, no cell coupled to another, for diffusion that is not very stiff"),
+      choice(
+          "method.splitting", STIFFRONT_METHOD(Options, splitting),
+          "\"preconditioned\": diffusion and the Jacobian of the reaction are implicit; \"imex\": one of them; \"lie\", \"strang\": "
+          "the flows of reaction and diffusion, to the tolerances of their solvers, are start and correction; \"diagonal\": the fast one, "
+          "all Radau nodes of a step in parallel, no cell coupled to another, for diffusion that is not very stiff"),
       choice("method.implicit", STIFFRONT_METHOD(Options, implicit), "with splitting = \"imex\": which one"),
       choice("method.implicit_solver", STIFFRONT_METHOD(Options, implicit_solver),
              "\"block-tridiagonal\": direct, 1-D; \"multigrid\": GMRES preconditioned by multigrid, 2-D; \"cell-local\": of the "
@@ -359,30 +341,25 @@ std::vector<Key> sdc_keys() {
 std::vector<Key> sbdf_keys() {
   using Options = SbdfOptions;
   return {
-      number("method.relative_tolerance", positive, STIFFRONT_METHOD(Options, relative_tolerance),
-             "relative bound on the local error"),
+      number("method.relative_tolerance", positive, STIFFRONT_METHOD(Options, relative_tolerance), "relative bound on the local error"),
       with_default(tolerance("method.absolute_tolerance", STIFFRONT_METHOD(Options, absolute_tolerance),
                              "absolute bound on the local error, for all species or for each"),
                    "relative_tolerance / 100"),
       integer("method.max_order", from(2, sbdf_max_order), STIFFRONT_METHOD(Options, max_order),
               "highest order used; 2 for models with damped fast oscillations"),
-      integer("method.max_sweeps", from(1, sbdf_max_sweeps), STIFFRONT_METHOD(Options, max_sweeps),
-              "most sweeps in a step"),
-      number("method.initial_step", not_negative, STIFFRONT_METHOD(Options, initial_step),
-             "first step; 0 = chosen by the program"),
+      integer("method.max_sweeps", from(1, sbdf_max_sweeps), STIFFRONT_METHOD(Options, max_sweeps), "most sweeps in a step"),
+      number("method.initial_step", not_negative, STIFFRONT_METHOD(Options, initial_step), "first step; 0 = chosen by the program"),
   };
 }
 
 std::vector<Key> cvode_keys() {
   using Options = CvodeOptions;
   return {
-      number("method.relative_tolerance", positive, STIFFRONT_METHOD(Options, relative_tolerance),
-             "relative bound on the local error"),
+      number("method.relative_tolerance", positive, STIFFRONT_METHOD(Options, relative_tolerance), "relative bound on the local error"),
       with_default(tolerance("method.absolute_tolerance", STIFFRONT_METHOD(Options, absolute_tolerance),
                              "absolute bound on the local error, for all species or for each"),
                    "relative_tolerance / 100"),
-      with_default(choice("method.linear_solver", STIFFRONT_METHOD(Options, linear_solver),
-                          "linear solver of the Newton iteration"),
+      with_default(choice("method.linear_solver", STIFFRONT_METHOD(Options, linear_solver), "linear solver of the Newton iteration"),
                    R"("gmres")"),
   };
 }
@@ -430,15 +407,13 @@ std::vector<Key> solver_keys() {
       choice("diffusion_solver.name", STIFFRONT_OPTION(diffusion_solver.name),
              "integrator of the diffusion flow; \"crank-nicolson\": one step of second order, for lie and strang in 1-D, with the first "
              "derivatives of models that have them"),
-      number("diffusion_solver.tolerance", positive, STIFFRONT_OPTION(diffusion_solver.tolerance),
-             "its relative and absolute tolerance"),
+      number("diffusion_solver.tolerance", positive, STIFFRONT_OPTION(diffusion_solver.tolerance), "its relative and absolute tolerance"),
       integer("diffusion_solver.halo_depth", from(0, 64), STIFFRONT_OPTION(diffusion_solver.halo_depth),
               "stages per pass over memory and exchange of halos, as far as the processes' parts of the grid allow; 0: chosen by the "
               "program. Results do not depend on it"),
       choice("reaction_solver.name", STIFFRONT_OPTION(reaction_solver.name),
              "integrator of the reaction flow; \"trapezoidal\": one step of second order, for lie and strang"),
-      number("reaction_solver.tolerance", positive, STIFFRONT_OPTION(reaction_solver.tolerance),
-             "its relative and absolute tolerance"),
+      number("reaction_solver.tolerance", positive, STIFFRONT_OPTION(reaction_solver.tolerance), "its relative and absolute tolerance"),
       choice("reaction_solver.balance", STIFFRONT_OPTION(reaction_solver.balance),
              "\"auto\": cells move between processes by counted cost"),
       choice("reaction_solver.positivity", STIFFRONT_OPTION(reaction_solver.positivity),
@@ -467,10 +442,8 @@ std::vector<Key> output_keys() {
            "where results go; -o on the command line comes first"),
       numbers("output.times", "an array of numbers", any, Empty::allowed, STIFFRONT_OPTION(output.times),
               "times of the states written, increasing; the initial and the final state always are; or"),
-      number("output.every", not_negative, STIFFRONT_OPTION(output.every),
-             "time between two states written; 0 = off; or"),
-      integer("output.steps", not_negative, STIFFRONT_OPTION(output.steps),
-              "accepted steps between two states written; 0 = off"),
+      number("output.every", not_negative, STIFFRONT_OPTION(output.every), "time between two states written; 0 = off; or"),
+      integer("output.steps", not_negative, STIFFRONT_OPTION(output.steps), "accepted steps between two states written; 0 = off"),
       choice("output.mode", STIFFRONT_OPTION(output.mode),
              "\"interpolate\": output never changes the steps; \"land\": steps are shortened to hit the times"),
       probes_key(),
@@ -478,10 +451,8 @@ std::vector<Key> output_keys() {
              "seconds between two checkpoints; 0 = off"),
       integer("output.checkpoint.every_steps", not_negative, STIFFRONT_OPTION(output.checkpoint.every_steps),
               "accepted steps between two checkpoints; 0 = off"),
-      integer("output.checkpoint.keep", from(2, 1e6), STIFFRONT_OPTION(output.checkpoint.keep),
-              "checkpoints kept; older ones are removed"),
-      boolean("output.checkpoint.at_end", STIFFRONT_OPTION(output.checkpoint.at_end),
-              "write one at the end of the run, too"),
+      integer("output.checkpoint.keep", from(2, 1e6), STIFFRONT_OPTION(output.checkpoint.keep), "checkpoints kept; older ones are removed"),
+      boolean("output.checkpoint.at_end", STIFFRONT_OPTION(output.checkpoint.at_end), "write one at the end of the run, too"),
       choice("output.checkpoint.on_failure", STIFFRONT_OPTION(output.checkpoint.on_failure),
              "what to do when a checkpoint cannot be written"),
   };
@@ -502,8 +473,7 @@ Key wall_time_key() {
 std::vector<Key> limits_keys() {
   return {
       wall_time_key(),
-      integer("limits.max_steps", not_negative, STIFFRONT_OPTION(limits.max_steps),
-              "most attempted steps; 0 = no limit"),
+      integer("limits.max_steps", not_negative, STIFFRONT_OPTION(limits.max_steps), "most attempted steps; 0 = no limit"),
       number("limits.stall_limit_s", not_negative, STIFFRONT_OPTION(limits.stall_limit_s),
              "a watchdog ends a job in which no step completes for so many seconds; 0 = off"),
   };
@@ -511,23 +481,21 @@ std::vector<Key> limits_keys() {
 
 std::vector<Key> converge_keys() {
   return {
-      required(numbers("converge.steps", "an array of positive numbers", positive, Empty::refused,
-                       STIFFRONT_CONVERGE(steps), "time steps of the study")),
-      choice("converge.kind", STIFFRONT_CONVERGE(kind),
-             "\"global\": the whole time span; \"local\": one step from the initial state"),
-      integers("converge.iterations", "an array of integers", from(0, 20), Empty::allowed,
-               STIFFRONT_CONVERGE(iterations), "dcs only: one column for each number of corrections"),
-      with_default(word("converge.reference.method", {"cvode", "sdc"}, STIFFRONT_CONVERGE(reference.method),
-                        "method of the reference solution; or"),
-                   "none"),
-      with_default(text("converge.reference.file", "the name of a result file in quotation marks",
-                        STIFFRONT_CONVERGE(reference.file), "file with the reference solution"),
+      required(numbers("converge.steps", "an array of positive numbers", positive, Empty::refused, STIFFRONT_CONVERGE(steps),
+                       "time steps of the study")),
+      choice("converge.kind", STIFFRONT_CONVERGE(kind), "\"global\": the whole time span; \"local\": one step from the initial state"),
+      integers("converge.iterations", "an array of integers", from(0, 20), Empty::allowed, STIFFRONT_CONVERGE(iterations),
+               "dcs only: one column for each number of corrections"),
+      with_default(
+          word("converge.reference.method", {"cvode", "sdc"}, STIFFRONT_CONVERGE(reference.method), "method of the reference solution; or"),
+          "none"),
+      with_default(text("converge.reference.file", "the name of a result file in quotation marks", STIFFRONT_CONVERGE(reference.file),
+                        "file with the reference solution"),
                    "none"),
       with_default(number("converge.reference.tolerance", positive, STIFFRONT_CONVERGE(reference.tolerance),
                           "cvode: relative tolerance of the reference"),
                    "1e-12"),
-      with_default(number("converge.reference.step", positive, STIFFRONT_CONVERGE(reference.step),
-                          "sdc: time step of the reference"),
+      with_default(number("converge.reference.step", positive, STIFFRONT_CONVERGE(reference.step), "sdc: time step of the reference"),
                    "none"),
   };
 }
@@ -551,8 +519,8 @@ Key title_key() {
 const std::vector<Key>& schema() {
   static const std::vector<Key> keys = [] {
     std::vector<Key> all = {title_key()};
-    for (auto* section : {grid_keys, boundary_keys, space_keys, model_keys, initial_keys, time_keys, method_keys,
-                          solver_keys, output_keys, limits_keys, converge_keys}) {
+    for (auto* section : {grid_keys, boundary_keys, space_keys, model_keys, initial_keys, time_keys, method_keys, solver_keys, output_keys,
+                          limits_keys, converge_keys}) {
       for (Key& key : section()) all.push_back(std::move(key));
     }
     return all;

@@ -24,9 +24,15 @@ inline void complete_sdc(SdcOptions& o, int space_order) {
 inline SpectralDeferredCorrectionOptions sdc_parameters(const SdcOptions& o) {
   SpectralDeferredCorrectionOptions s;
   switch (o.nodes) {
-    case NodeFamily::gauss_legendre: s.nodes = stiffront::NodeFamily::gauss_legendre; break;
-    case NodeFamily::gauss_lobatto: s.nodes = stiffront::NodeFamily::gauss_lobatto; break;
-    case NodeFamily::gauss_radau: s.nodes = stiffront::NodeFamily::gauss_radau; break;
+    case NodeFamily::gauss_legendre:
+      s.nodes = stiffront::NodeFamily::gauss_legendre;
+      break;
+    case NodeFamily::gauss_lobatto:
+      s.nodes = stiffront::NodeFamily::gauss_lobatto;
+      break;
+    case NodeFamily::gauss_radau:
+      s.nodes = stiffront::NodeFamily::gauss_radau;
+      break;
   }
   s.node_count = o.node_count;
   s.fixed_step = o.step.value_or(0.0);
@@ -40,10 +46,18 @@ inline SpectralDeferredCorrectionOptions sdc_parameters(const SdcOptions& o) {
   s.correction = o.correction == SdcCorrection::standard ? Correction::standard : Correction::alternative;
   using FinalUpdate = SpectralDeferredCorrectionOptions::FinalUpdate;
   switch (o.final_update) {
-    case SdcFinalUpdate::automatic: s.final_update = FinalUpdate::automatic; break;
-    case SdcFinalUpdate::last_node: s.final_update = FinalUpdate::last_node; break;
-    case SdcFinalUpdate::quadrature: s.final_update = FinalUpdate::quadrature; break;
-    case SdcFinalUpdate::extrapolation: s.final_update = FinalUpdate::extrapolation; break;
+    case SdcFinalUpdate::automatic:
+      s.final_update = FinalUpdate::automatic;
+      break;
+    case SdcFinalUpdate::last_node:
+      s.final_update = FinalUpdate::last_node;
+      break;
+    case SdcFinalUpdate::quadrature:
+      s.final_update = FinalUpdate::quadrature;
+      break;
+    case SdcFinalUpdate::extrapolation:
+      s.final_update = FinalUpdate::extrapolation;
+      break;
   }
   return s;
 }

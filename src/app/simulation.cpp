@@ -100,9 +100,9 @@ class RunMemory {
     v.field("state", problem_->state);
     visit_progress(v, *progress_);
     v.integer("negatives", negatives);
-    std::vector<double> counts{static_cast<double>(work.diffusion_steps),  static_cast<double>(work.diffusion_rejections),
-                               static_cast<double>(work.diffusion_stages), static_cast<double>(work.sweeps),
-                               static_cast<double>(work.line_solves),      static_cast<double>(work.rhs_evaluations),
+    std::vector<double> counts{static_cast<double>(work.diffusion_steps),   static_cast<double>(work.diffusion_rejections),
+                               static_cast<double>(work.diffusion_stages),  static_cast<double>(work.sweeps),
+                               static_cast<double>(work.line_solves),       static_cast<double>(work.rhs_evaluations),
                                static_cast<double>(work.linear_iterations), static_cast<double>(work.halo_exchanges)};
     v.numbers("work", counts);
     std::int64_t* const targets[] = {&work.diffusion_steps, &work.diffusion_rejections, &work.diffusion_stages,  &work.sweeps,
@@ -130,7 +130,13 @@ class RunObserver final : public Observer {
  public:
   RunObserver(const Case& c, const MethodOptions& method, const Problem& problem, Output& output, ProgressLine& progress, RunMemory& memory,
               Watchdog& watchdog)
-      : errors(method), case_(&c), comm_(&problem.comm), output_(&output), progress_(&progress), memory_(&memory), watchdog_(&watchdog),
+      : errors(method),
+        case_(&c),
+        comm_(&problem.comm),
+        output_(&output),
+        progress_(&progress),
+        memory_(&memory),
+        watchdog_(&watchdog),
         files_(c.output.directory) {}
 
   std::uint64_t requests() override {
@@ -196,7 +202,8 @@ class RunObserver final : public Observer {
 
 /// Sums the counts that are local to a rank; the others are the same everywhere.
 Work over_all_ranks(Work w, const Communicator& comm) {
-  for (std::int64_t* count : {&w.reaction_steps, &w.reaction_rejections, &w.reaction_newton_iterations, &w.reaction_rhs, &w.reaction_jacobians}) {
+  for (std::int64_t* count :
+       {&w.reaction_steps, &w.reaction_rejections, &w.reaction_newton_iterations, &w.reaction_rhs, &w.reaction_jacobians}) {
     *count = comm.sum(*count);
   }
   return w;
@@ -227,9 +234,9 @@ std::optional<Summary::Balance> balance_of(MethodStack& stack, const Communicato
 }
 
 std::vector<std::pair<std::string, double>> slowest(const PhaseSeconds& mine, const Communicator& comm) {
-  std::vector<std::pair<std::string, double>> seconds{{"diffusion", mine.diffusion},         {"reaction", mine.reaction},
-                                                      {"quadrature", mine.quadrature},       {"communication", mine.communication},
-                                                      {"output", mine.output},               {"total", mine.total}};
+  std::vector<std::pair<std::string, double>> seconds{{"diffusion", mine.diffusion},   {"reaction", mine.reaction},
+                                                      {"quadrature", mine.quadrature}, {"communication", mine.communication},
+                                                      {"output", mine.output},         {"total", mine.total}};
   for (auto& [phase, value] : seconds) value = comm.max(value);
   return seconds;
 }
@@ -290,7 +297,8 @@ void print_opening(const Case& c, const Problem& problem, const MethodStack& sta
   if (g.dimension == 1) {
     fmt::print("grid: {} points, spacing {:.6g}, order {}; ", g.uniform_points(0), g.spacing(0), c.space.order);
   } else {
-    fmt::print("grid: {} x {} points, spacing {:.6g} x {:.6g}, order {}; ", g.uniform_points(0), g.uniform_points(1), g.spacing(0), g.spacing(1), c.space.order);
+    fmt::print("grid: {} x {} points, spacing {:.6g} x {:.6g}, order {}; ", g.uniform_points(0), g.uniform_points(1), g.spacing(0),
+               g.spacing(1), c.space.order);
   }
   fmt::print("spectral radius of the diffusion {:.4g}\n", problem.diffusion.spectral_radius());
   if (!problem.note().empty()) fmt::print("initial state: {}\n", problem.note());
@@ -350,7 +358,8 @@ void simulate(const Case& c, const ModelRegistry& models, const Communicator& co
   try {
     if (!evolve(stack.method(), make_schedule(c, output), problem.state, progress, observer)) {
       summary.status = "stopped";
-      summary.reason = fmt::format("stopped on request at t = {:.10g}; a checkpoint was written: run again with --restart latest", progress.t);
+      summary.reason =
+          fmt::format("stopped on request at t = {:.10g}; a checkpoint was written: run again with --restart latest", progress.t);
       failure = Error(ErrorKind::stopped, summary.reason);
     } else if (c.output.checkpoint.at_end) {
       memory.write();

@@ -58,9 +58,11 @@ std::string measure_stability(const StabilityCommand& command, const std::vector
   const auto* o = std::get_if<SdcOptions>(&c.method);
   if (o == nullptr) throw Error(ErrorKind::input, "method.name: domains of stability are measured for \"sdc\"");
   if (!o->step) throw Error(ErrorKind::input, "method.tolerance: the domain of stability is that of fixed steps; leave it out");
-  if (o->acceleration) throw Error(ErrorKind::input, "method.acceleration: accelerated sweeps are not linear and have no amplification matrix");
+  if (o->acceleration)
+    throw Error(ErrorKind::input, "method.acceleration: accelerated sweeps are not linear and have no amplification matrix");
   if (o->splitting == SdcSplitting::diagonal) {
-    throw Error(ErrorKind::input, "method.splitting: docs/sdc.md has the limits of \"diagonal\"; domains are measured for \"preconditioned\" and \"imex\"");
+    throw Error(ErrorKind::input,
+                "method.splitting: docs/sdc.md has the limits of \"diagonal\"; domains are measured for \"preconditioned\" and \"imex\"");
   }
   const SpectralDeferredCorrectionOptions parameters = sdc_parameters(*o);
   const StabilityDomain d =
@@ -78,9 +80,12 @@ std::string measure_stability(const StabilityCommand& command, const std::vector
 
   if (!command.output.empty()) {
     nlohmann::ordered_json j;
-    j["method"] = {{"nodes", word(o->nodes)},           {"node_count", o->node_count},
-                   {"starting_order", *o->starting_order}, {"corrections", *o->corrections},
-                   {"consistent", o->consistent},       {"correction", word(o->correction)},
+    j["method"] = {{"nodes", word(o->nodes)},
+                   {"node_count", o->node_count},
+                   {"starting_order", *o->starting_order},
+                   {"corrections", *o->corrections},
+                   {"consistent", o->consistent},
+                   {"correction", word(o->correction)},
                    {"final_update", word(o->final_update)}};
     j["implicit"] = {{"real", command.implicit_real}, {"imaginary", command.implicit_imaginary}};
     j["area"] = d.area;

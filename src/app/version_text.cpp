@@ -18,8 +18,8 @@ std::string version_text() {
   return fmt::format(
       "stiffront {} ({})\ncompiler   {}\nflags      {}, denormals flushed to zero\nMPI        {}\nHDF5       {}.{}.{}\n"
       "SUNDIALS   {}",
-      version::number, version::git_hash, version::compiler, version::flags, mpi_line, H5_VERS_MAJOR, H5_VERS_MINOR,
-      H5_VERS_RELEASE, SUNDIALS_VERSION);
+      version::number, version::git_hash, version::compiler, version::flags, mpi_line, H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE,
+      SUNDIALS_VERSION);
 }
 
 }  // namespace stiffront::app

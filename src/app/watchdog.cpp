@@ -34,7 +34,7 @@ void Watchdog::reset(const char* next) {
 void Watchdog::watch() {
   constexpr double period = 0.5;  // seconds
   std::unique_lock<std::mutex> lock(mutex_);
-  double stopped = 0.0;           // of this process, since the last achievement
+  double stopped = 0.0;  // of this process, since the last achievement
   std::uint64_t achieved = 0;
   double looked = wall_seconds();
   double last = looked;
@@ -52,8 +52,8 @@ void Watchdog::watch() {
     if (idle <= limit_) continue;
     char host[256] = "?";
     gethostname(host, sizeof host - 1);
-    std::fprintf(stderr, "[rank %d on %s] nothing was completed for %.0f s (limits.stall_limit_s = %g), %s: the job is ended\n", rank_, host, idle,
-                 limit_, phase_.load(std::memory_order_relaxed));
+    std::fprintf(stderr, "[rank %d on %s] nothing was completed for %.0f s (limits.stall_limit_s = %g), %s: the job is ended\n", rank_,
+                 host, idle, limit_, phase_.load(std::memory_order_relaxed));
     std::fflush(stderr);
     std::abort();
   }

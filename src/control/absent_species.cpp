@@ -11,7 +11,7 @@
 namespace stiffront {
 namespace {
 
-constexpr double absent = 1e-12;     // relative to the largest species
+constexpr double absent = 1e-12;  // relative to the largest species
 constexpr double floor_factor = 1e-2;
 constexpr double look_ahead = 1e-2;  // of the interval
 constexpr int fewest_steps = 3;
@@ -36,8 +36,8 @@ bool largest_moduli(const Field& u, bool well, const Communicator& comm, std::ve
 
 }  // namespace
 
-std::vector<double> floors_of_absent_species(const SplitFlows& flows, double t, double t_end, double first, Field& u, const Communicator& comm,
-                                             Work& work) {
+std::vector<double> floors_of_absent_species(const SplitFlows& flows, double t, double t_end, double first, Field& u,
+                                             const Communicator& comm, Work& work) {
   std::vector<double> now;
   std::vector<double> floors(static_cast<std::size_t>(u.n_species()), 0.0);
   if (!largest_moduli(u, true, comm, now)) return floors;

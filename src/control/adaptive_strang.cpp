@@ -230,7 +230,8 @@ std::optional<double> AdaptiveStrang::final_error(double t, Field& u, Work& work
 }
 
 std::string AdaptiveStrang::closing_note() const {
-  if (companion_ && companion_->given_up()) return "the error at the end is not known: a second solution with larger steps could not be followed";
+  if (companion_ && companion_->given_up())
+    return "the error at the end is not known: a second solution with larger steps could not be followed";
   return {};
 }
 

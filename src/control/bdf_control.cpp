@@ -54,9 +54,7 @@ double BdfControl::accepted(double dt, const BdfErrors& errors, const std::funct
   int next = order_;
   const double lower = order_ > 1 ? ratio_for(errors.lower, order_ - 1) : 0.0;
   const double upper = order_ < highest_order() ? ratio_for(errors.upper, order_ + 1) : 0.0;
-  const auto reached = [](double wanted, int order) {
-    return std::min(wanted, reach[static_cast<std::size_t>(order)]);
-  };
+  const auto reached = [](double wanted, int order) { return std::min(wanted, reach[static_cast<std::size_t>(order)]); };
   const double here = reached(ratio, order_);
   const double below = reached(lower, order_ - 1);
   const double above = reached(upper, order_ + 1);

@@ -27,8 +27,8 @@ Pack load(const double* p, int n) { return n == pack_size ? Pack::load(p) : Pack
 void store(Pack x, double* p, int n) { n == pack_size ? x.store(p) : x.store_partial(p, n); }
 
 template <int points>
-void combine(std::span<const Field* const> states, const BdfWeights& e, const BdfWeights& w, const Rows& predictor,
-             const Rows& right_side, const FreeBox& box, int shift) {
+void combine(std::span<const Field* const> states, const BdfWeights& e, const BdfWeights& w, const Rows& predictor, const Rows& right_side,
+             const FreeBox& box, int shift) {
   // In registers: what is reached through a reference would be read again after every store.
   Pack to_predictor[points];
   Pack to_right_side[points];
@@ -42,18 +42,19 @@ void combine(std::span<const Field* const> states, const BdfWeights& e, const Bd
       for (std::size_t k = 0; k < points; ++k) v[k] = states[k]->row(s, j + shift);
       double* const p = predictor.row(s, j);
       double* const r = right_side.row(s, j);
-      for_each_overlapping_pack(box.i_begin, box.i_end, [&](int i, int n, Mask) __attribute__((always_inline)) {
-        Pack x = load(v[0] + i, n);
-        Pack p_sum = to_predictor[0] * x;
-        Pack r_sum = to_right_side[0] * x;
-        for (std::size_t k = 1; k < points; ++k) {
-          x = load(v[k] + i, n);
-          p_sum = mul_add(to_predictor[k], x, p_sum);
-          r_sum = mul_add(to_right_side[k], x, r_sum);
-        }
-        store(p_sum, p + i, n);
-        store(r_sum, r + i, n);
-      });
+      for_each_overlapping_pack(
+          box.i_begin, box.i_end, [&](int i, int n, Mask) __attribute__((always_inline)) {
+            Pack x = load(v[0] + i, n);
+            Pack p_sum = to_predictor[0] * x;
+            Pack r_sum = to_right_side[0] * x;
+            for (std::size_t k = 1; k < points; ++k) {
+              x = load(v[k] + i, n);
+              p_sum = mul_add(to_predictor[k], x, p_sum);
+              r_sum = mul_add(to_right_side[k], x, r_sum);
+            }
+            store(p_sum, p + i, n);
+            store(r_sum, r + i, n);
+          });
     }
   }
 }

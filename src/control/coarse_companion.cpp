@@ -14,15 +14,15 @@ constexpr double share_felt_from = 0.5;  // of the budget's share of the time so
 constexpr double early_felt_from = 0.4;  // of the budget, and no rate is believed,
 constexpr double early = 0.002;          // of the time: profiles adjust to the splitting, which is not the beginning of a drift
 constexpr double least_rest = 0.1;       // of the budget, or of the error if that is more: what is left to spend is never taken to be less
-constexpr double least_time = 0.1;       // of the whole: the time left is never taken to be less, so that the end does not bring large steps
-constexpr double mark_every = 0.1;       // of the time so far
-constexpr double missed_from = 1.6;      // of the budget
+constexpr double least_time = 0.1;   // of the whole: the time left is never taken to be less, so that the end does not bring large steps
+constexpr double mark_every = 0.1;   // of the time so far
+constexpr double missed_from = 1.6;  // of the budget
 // Of the limit, from one step of the companion to the next: before and after it was felt for the first time, and with the budget missed. A rate that
 // dips must not undo what was saved.
 constexpr double early_growth = 2.0;
 constexpr double growth = 1.1;
 constexpr double missed_growth = 1.0;
-constexpr double least_ratio = 2.0;    // of the errors: below, the difference says little
+constexpr double least_ratio = 2.0;  // of the errors: below, the difference says little
 
 constexpr double cube(double x) { return x * x * x; }
 
@@ -117,8 +117,8 @@ void CoarseCompanion::visit_state(StateVisitor& visitor) {
   visitor.integer("companion_pending", pending_);
   visitor.integer("companion_expects", expects_);
   visitor.integer("companion_limited", limited_);
-  double* const numbers[] = {&t_, &t_begin_, &t_end_, &pending_cubes_, &fine_cubes_, &coarse_cubes_, &error_, &limit_,
-                             &marks_[0].cubes, &marks_[0].error, &marks_[1].cubes, &marks_[1].error, &marked_at_};
+  double* const numbers[] = {&t_,     &t_begin_,        &t_end_,          &pending_cubes_,  &fine_cubes_,     &coarse_cubes_, &error_,
+                             &limit_, &marks_[0].cubes, &marks_[0].error, &marks_[1].cubes, &marks_[1].error, &marked_at_};
   std::vector<double> values;
   for (const double* x : numbers) values.push_back(*x);
   visitor.numbers("companion_numbers", values);

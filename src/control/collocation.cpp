@@ -38,7 +38,8 @@ Legendre legendre(int n, Real x) {
 ///   Lobatto: P'_{m-1}, through (1 - x^2) P'' = 2 x P' - n (n + 1) P.
 Legendre nodal(NodeFamily family, int m, Real x) {
   switch (family) {
-    case NodeFamily::gauss_legendre: return legendre(m, x);
+    case NodeFamily::gauss_legendre:
+      return legendre(m, x);
     case NodeFamily::gauss_radau: {
       const Legendre a = legendre(m - 1, x), b = legendre(m, x);
       return {a.value - b.value, a.derivative - b.derivative};
@@ -68,9 +69,15 @@ std::vector<Real> nodes(NodeFamily family, int m) {
   for (int i = 0; i < free; ++i) {
     Real x = 0;
     switch (family) {
-      case NodeFamily::gauss_legendre: x = -std::cos(pi * (i + Real(0.75)) / (m + Real(0.5))); break;
-      case NodeFamily::gauss_radau: x = -std::cos(pi * (2 * i + Real(1.5)) / (2 * m - Real(0.5))); break;
-      case NodeFamily::gauss_lobatto: x = -std::cos(pi * (i + 1) / (m - 1)); break;
+      case NodeFamily::gauss_legendre:
+        x = -std::cos(pi * (i + Real(0.75)) / (m + Real(0.5)));
+        break;
+      case NodeFamily::gauss_radau:
+        x = -std::cos(pi * (2 * i + Real(1.5)) / (2 * m - Real(0.5)));
+        break;
+      case NodeFamily::gauss_lobatto:
+        x = -std::cos(pi * (i + 1) / (m - 1));
+        break;
     }
     for (int iteration = 0; iteration < 50; ++iteration) {
       const Legendre f = nodal(family, m, x);

@@ -30,10 +30,8 @@ class Cvode::Solver {
         du_(shape.similar()),
         direction_(shape.similar()) {
     const Grid& grid = shape.decomposition().grid();
-    if (options_.linear_solver == CvodeOptions::LinearSolver::band &&
-        (grid.dimension != 1 || grid.periodic[0] || comm_->size() != 1)) {
-      throw Error(ErrorKind::input,
-                  "method.linear_solver: \"band\" needs one dimension, no periodic boundary and one rank; use \"gmres\"");
+    if (options_.linear_solver == CvodeOptions::LinearSolver::band && (grid.dimension != 1 || grid.periodic[0] || comm_->size() != 1)) {
+      throw Error(ErrorKind::input, "method.linear_solver: \"band\" needs one dimension, no periodic boundary and one rank; use \"gmres\"");
     }
     check(SUNContext_Create(nullptr, &context_), "SUNContext_Create");
     const std::int64_t points = static_cast<std::int64_t>(free_.i_end - free_.i_begin) * (free_.j_end - free_.j_begin);
@@ -113,7 +111,8 @@ class Cvode::Solver {
     // CVODE has tried smaller steps before it gives up: nothing is left to be retried.
     if (status < 0) throw Error(ErrorKind::numerics, fmt::format("CVODE failed at t = {:.17g}: {}", reached, message_));
     if ((flags & step_flags::not_finite) != 0) {
-      throw Error(ErrorKind::numerics, fmt::format("the state of CVODE is not finite at t = {:.17g}; check the model and its initial state", reached));
+      throw Error(ErrorKind::numerics,
+                  fmt::format("the state of CVODE is not finite at t = {:.17g}; check the model and its initial state", reached));
     }
     a.accepted = true;
     a.dt_taken = reached >= t + dt ? dt : reached - t;
@@ -236,7 +235,8 @@ class Cvode::Solver {
   }
 
   /// By differences of the right-hand side, all columns that do not meet at once.
-  static int differenced_jacobian(realtype t, N_Vector y, N_Vector f, SUNMatrix matrix, void* data, N_Vector moved, N_Vector f_moved, N_Vector) {
+  static int differenced_jacobian(realtype t, N_Vector y, N_Vector f, SUNMatrix matrix, void* data, N_Vector moved, N_Vector f_moved,
+                                  N_Vector) {
     Solver& me = self(data);
     const sunindextype n = N_VGetLength(y);
     const sunindextype half = SM_LBAND_B(matrix);

@@ -75,7 +75,8 @@ DeferredCorrection::DeferredCorrection(const Field& shape, CoupledRhs& rhs, Reac
     f_.push_back(shape.similar());
     s_.push_back(shape.similar());
   }
-  for (int degree = nodes_.size() - 1; degree >= std::max(0, nodes_.size() - 3); --degree) modes_.push_back(legendre_coefficient(nodes_, degree));
+  for (int degree = nodes_.size() - 1; degree >= std::max(0, nodes_.size() - 3); --degree)
+    modes_.push_back(legendre_coefficient(nodes_, degree));
 }
 
 double DeferredCorrection::first_step(double t, double t_end, Field& u) {
@@ -151,10 +152,12 @@ Attempt DeferredCorrection::attempt(double t, double dt, Field& u, Field& u_new,
 
 void DeferredCorrection::refuse_step(double t, double dt, double rate) const {
   const double limit = stability_limit(options_.iterations);
-  throw Error(ErrorKind::numerics,
-              fmt::format("method.step: {} corrections with the step {:.6g} diverge (t = {:.6g}): their limit of stability is |z| = {:.1f}, and here "
-                          "|z| = {:.3g}; use a step below {:.3g}, fewer iterations or method.tolerance",
-                          options_.iterations, dt, t, limit, rate * dt, limit / rate));
+  throw Error(
+      ErrorKind::numerics,
+      fmt::format(
+          "method.step: {} corrections with the step {:.6g} diverge (t = {:.6g}): their limit of stability is |z| = {:.1f}, and here "
+          "|z| = {:.3g}; use a step below {:.3g}, fewer iterations or method.tolerance",
+          options_.iterations, dt, t, limit, rate * dt, limit / rate));
 }
 
 void DeferredCorrection::check_stability(double t, double dt, const Field& u) const {
@@ -208,18 +211,21 @@ Attempt DeferredCorrection::fixed(double t, double dt, Field& u, Field& u_new, s
   // One correction is stable with every step, which does not make it one.
   if (options_.iterations == 1 && last > worthless_correction && rate * dt > stable_everywhere) {
     throw Error(ErrorKind::numerics,
-                fmt::format("method.step: the correction with the step {:.6g} (t = {:.6g}) is {:.2g} of the prediction: a single one has no limit of stability, but "
+                fmt::format("method.step: the correction with the step {:.6g} (t = {:.6g}) is {:.2g} of the prediction: a single one has "
+                            "no limit of stability, but "
                             "here, |z| = {:.3g}, it is far from improving anything; use a smaller step, no iterations or method.tolerance",
                             dt, t, last, rate * dt));
   }
   const bool grows = options_.iterations > 1 && last > visible_divergence &&
                      (last > worthless_correction || !(last < norm_.value(first_correction, agreement)));
   if ((grows || !a.accepted) && rate * dt > stable_everywhere) {
-    throw Error(ErrorKind::numerics,
-                fmt::format("method.step: {} corrections with the step {:.6g} diverge (t = {:.6g}): {}; their limit of stability is |z| = {:.1f} where modes "
-                            "decay and less where they oscillate, and here |z| = {:.3g}; use a smaller step, fewer iterations or method.tolerance",
-                            options_.iterations, dt, t, a.accepted ? fmt::format("the last one is {:.2g} of the prediction", last) : a.reason, limit,
-                            rate * dt));
+    throw Error(
+        ErrorKind::numerics,
+        fmt::format("method.step: {} corrections with the step {:.6g} diverge (t = {:.6g}): {}; their limit of stability is |z| = {:.1f} "
+                    "where modes "
+                    "decay and less where they oscillate, and here |z| = {:.3g}; use a smaller step, fewer iterations or method.tolerance",
+                    options_.iterations, dt, t, a.accepted ? fmt::format("the last one is {:.2g} of the prediction", last) : a.reason,
+                    limit, rate * dt));
   }
   return a;
 }

@@ -28,7 +28,10 @@ constexpr double safety_of_quadrature = 0.5;
 }  // namespace
 
 DeferredCorrectionControl::DeferredCorrectionControl(const DeferredCorrectionOptions& options, std::vector<double> stability_limits)
-    : options_(options), limits_(std::move(stability_limits)), eta_(std::max(options.tolerance, least_tolerance)), p_(options.strang ? 2.0 : 1.0) {
+    : options_(options),
+      limits_(std::move(stability_limits)),
+      eta_(std::max(options.tolerance, least_tolerance)),
+      p_(options.strang ? 2.0 : 1.0) {
   estimates_.reserve(static_cast<std::size_t>(options_.max_iterations) + 1);
 }
 
@@ -77,7 +80,7 @@ void DeferredCorrectionControl::observe_power() {
 /// (47).
 double DeferredCorrectionControl::after_prediction() const {
   const double aim = options_.exponent == DeferredCorrectionOptions::Exponent::published ? eta_ * std::pow(options_.safety, p_ + 1.0)
-                                                                                           : options_.safety * eta_;
+                                                                                         : options_.safety * eta_;
   return dt_ * std::pow(aim / std::max(estimates_.front(), round_off_floor), 1.0 / std::max(memory_.prediction_power, p_ + 1.0));
 }
 
@@ -181,8 +184,8 @@ double DeferredCorrectionControl::by_best_iterations(double aim, double bracket,
     if (j == 0) {
       step = after_prediction();
     } else {
-      const double error = j == k_ ? aim / bracket
-                                   : (j < k_ ? estimates_[static_cast<std::size_t>(j)] : error_ * std::pow(zeta_ * dt_, j - k_));
+      const double error =
+          j == k_ ? aim / bracket : (j < k_ ? estimates_[static_cast<std::size_t>(j)] : error_ * std::pow(zeta_ * dt_, j - k_));
       step = dt_ * std::pow(aim / std::max(error, round_off_floor), 1.0 / (j + p_ + 1.0));
       if (j > k_) step = std::min(step, error_ > eta_ ? memory_.step : growth_with_another_iteration * dt_);
       step = std::min({step, convergent, limits_[static_cast<std::size_t>(j)] / rate_});

@@ -16,8 +16,8 @@ namespace {
 /// A time a step must land on, and what happens there.
 struct Target {
   double t;
-  bool restarts;        // the method forgets its history
-  bool resets_step;     // ... and begins with Schedule::restart_step
+  bool restarts;     // the method forgets its history
+  bool resets_step;  // ... and begins with Schedule::restart_step
 };
 
 Target next_target(const Schedule& s, double t) {
@@ -138,7 +138,7 @@ bool evolve(Method& method, const Schedule& schedule, Field& u, Progress& progre
     if (lands && target.restarts) {
       method.restart(progress.t);
       progress.dt = target.resets_step && schedule.restart_step > 0.0 ? schedule.restart_step
-                                                                     : first_step(method, inside(schedule, progress.t), schedule.end, u);
+                                                                      : first_step(method, inside(schedule, progress.t), schedule.end, u);
     }
     if (!observer.carry_on(flags, progress.accepted, progress.t, progress.dt, u)) return progress.t >= schedule.end;
   }

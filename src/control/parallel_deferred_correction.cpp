@@ -169,10 +169,11 @@ Attempt ParallelDeferredCorrection::fixed(double t, double dt, Field& u, Field& 
   comm_->agree(agreement);
   flags = agreement.flags;
   if ((flags & step_flags::not_finite) != 0) {
-    throw Error(ErrorKind::numerics,
-                fmt::format("method.step: the solution is not finite after the step of {:.6g} from t = {:.6g}: this step is not stable; use "
-                            "a smaller one, or method.tolerance",
-                            dt, t));
+    throw Error(
+        ErrorKind::numerics,
+        fmt::format("method.step: the solution is not finite after the step of {:.6g} from t = {:.6g}: this step is not stable; use "
+                    "a smaller one, or method.tolerance",
+                    dt, t));
   }
   a.accepted = true;
   a.dt_next = options_.fixed_step;
@@ -245,9 +246,10 @@ void ParallelDeferredCorrection::accept(Field& u, Field& u_new) {
 
 std::string ParallelDeferredCorrection::closing_note() const {
   if (10 * limited_ < accepted_ || limited_ == 0) return {};
-  return fmt::format("diffusion limited {} of {} steps: their nodes are not coupled to neighbours, which is stable up to dT = {:.3g}; for diffusion "
-                     "this stiff use method sbdf, or splitting = \"preconditioned\"",
-                     limited_, accepted_, longest_step_);
+  return fmt::format(
+      "diffusion limited {} of {} steps: their nodes are not coupled to neighbours, which is stable up to dT = {:.3g}; for diffusion "
+      "this stiff use method sbdf, or splitting = \"preconditioned\"",
+      limited_, accepted_, longest_step_);
 }
 
 void ParallelDeferredCorrection::restart(double t) {

@@ -37,13 +37,15 @@ Parareal::Parareal(const Field& shape, int intervals, const Communicator& time, 
     coarse_results_.push_back(shape.similar());
     fine_results_.push_back(shape.similar());
   }
-  message_.resize(static_cast<std::size_t>(shape.n_species()) * static_cast<std::size_t>(shape.n_x()) * static_cast<std::size_t>(shape.n_y()));
+  message_.resize(static_cast<std::size_t>(shape.n_species()) * static_cast<std::size_t>(shape.n_x()) *
+                  static_cast<std::size_t>(shape.n_y()));
 }
 
 void Parareal::receive_left_end() {
   if (time_->rank() == 0) return;
-  check_mpi(MPI_Recv(message_.data(), static_cast<int>(message_.size()), MPI_DOUBLE, time_->rank() - 1, tag, time_->get(), MPI_STATUS_IGNORE),
-            "MPI_Recv");
+  check_mpi(
+      MPI_Recv(message_.data(), static_cast<int>(message_.size()), MPI_DOUBLE, time_->rank() - 1, tag, time_->get(), MPI_STATUS_IGNORE),
+      "MPI_Recv");
   const double* from = message_.data();
   for_each_row(states_.front(), [&](double* row) {
     std::copy_n(from, states_.front().n_x(), row);

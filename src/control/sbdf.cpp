@@ -33,26 +33,21 @@ double plane_cost(int n_species) { return 25.0 + 5.0 * n_species; }
 
 SbdfOptions checked(SbdfOptions o, int n_species) {
   if (!(o.relative_tolerance > 0.0)) {
-    throw Error(ErrorKind::input,
-                fmt::format("method.relative_tolerance: expected a positive number, got {}", o.relative_tolerance));
+    throw Error(ErrorKind::input, fmt::format("method.relative_tolerance: expected a positive number, got {}", o.relative_tolerance));
   }
-  if (o.absolute_tolerance.size() == 1)
-    o.absolute_tolerance.resize(static_cast<std::size_t>(n_species), o.absolute_tolerance[0]);
+  if (o.absolute_tolerance.size() == 1) o.absolute_tolerance.resize(static_cast<std::size_t>(n_species), o.absolute_tolerance[0]);
   if (!o.absolute_tolerance.empty() && o.absolute_tolerance.size() != static_cast<std::size_t>(n_species)) {
-    throw Error(ErrorKind::input, fmt::format("method.absolute_tolerance: expected 1 or {} numbers, got {}", n_species,
-                                              o.absolute_tolerance.size()));
+    throw Error(ErrorKind::input,
+                fmt::format("method.absolute_tolerance: expected 1 or {} numbers, got {}", n_species, o.absolute_tolerance.size()));
   }
   for (double a : o.absolute_tolerance) {
-    if (!(a > 0.0))
-      throw Error(ErrorKind::input, fmt::format("method.absolute_tolerance: expected positive numbers, got {}", a));
+    if (!(a > 0.0)) throw Error(ErrorKind::input, fmt::format("method.absolute_tolerance: expected positive numbers, got {}", a));
   }
   if (o.max_order < 1 || o.max_order > sbdf_max_order) {
-    throw Error(ErrorKind::input,
-                fmt::format("method.max_order: expected 1 to {}, got {}", sbdf_max_order, o.max_order));
+    throw Error(ErrorKind::input, fmt::format("method.max_order: expected 1 to {}, got {}", sbdf_max_order, o.max_order));
   }
   if (o.max_sweeps < 1 || o.max_sweeps > sbdf_max_sweeps) {
-    throw Error(ErrorKind::input,
-                fmt::format("method.max_sweeps: expected 1 to {}, got {}", sbdf_max_sweeps, o.max_sweeps));
+    throw Error(ErrorKind::input, fmt::format("method.max_sweeps: expected 1 to {}, got {}", sbdf_max_sweeps, o.max_sweeps));
   }
   if (!(o.initial_step >= 0.0)) {
     throw Error(ErrorKind::input, fmt::format("method.initial_step: expected a number >= 0, got {}", o.initial_step));
@@ -80,8 +75,7 @@ Sbdf::Sbdf(const Field& shape, CoupledRhs& rhs, const ModelKernels& model, SbdfO
       options_(checked(std::move(options), shape.n_species())),
       model_(&model),
       kernel_(model.make_sbdf()),
-      halo_(shape.decomposition(), diffusion_->boundary(), shape.n_species(), 1, diffusion_->halo_width(),
-            diffusion_->diffusing_species()),
+      halo_(shape.decomposition(), diffusion_->boundary(), shape.n_species(), 1, diffusion_->halo_width(), diffusion_->diffusing_species()),
       free_(rhs.free_box()),
       interior_(free_),
       has_neighbours_(false),
@@ -292,7 +286,8 @@ double Sbdf::first_step(double t, double t_end, Field& u) {
   const BdfWeights euler{1.0, short_step};
   bdf_combine(std::array{&std::as_const(u), &f}, euler, euler, rows_of(predictor_), rows_of(work_), free_);
   rhs_->evaluate(t + short_step, work_, right_side_);
-  const double bend = scaled_norm(u, std::array{&std::as_const(u), &std::as_const(right_side_), &f}, {1.0, span, -span}) / (span * short_step);
+  const double bend =
+      scaled_norm(u, std::array{&std::as_const(u), &std::as_const(right_side_), &f}, {1.0, span, -span}) / (span * short_step);
   // At the edge of where the rates are defined the explicit step may leave it.
   const double h = std::isfinite(bend) ? std::min(std::sqrt(BdfControl::aim_of_start() / bend), 1000.0 * short_step) : short_step;
   return cap_step(1, std::min(h, span));
@@ -433,8 +428,8 @@ void Sbdf::make_steps(double t, double dt, const Step& step, const Field& u, Fie
     std::array<SbdfWavefront::Step, SbdfWavefront::max_steps> steps;
     for (std::size_t k = 0; k < made_count_; ++k) {
       const Step& s = made_[k].step;
-      steps[k] = {made_[k].t + dt, s.gamma,  tested_states(k), static_cast<int>(s.points), s.predictor, s.history, s.tests_order,
-                  s.lower,         s.upper,  shifts_of(s),     k == 0 ? &u_new : &ahead_[k - 1]};
+      steps[k] = {made_[k].t + dt, s.gamma, tested_states(k), static_cast<int>(s.points),      s.predictor, s.history, s.tests_order,
+                  s.lower,         s.upper, shifts_of(s),     k == 0 ? &u_new : &ahead_[k - 1]};
     }
     // One reference is all the callback holds, so that it is made without an allocation.
     const auto add = [&, this](std::size_t k, const FreeBox& box, const BdfPredictors& predictors, bool tested) {
@@ -570,9 +565,8 @@ std::string Sbdf::closing_note() const {
         "diffusion limited {} of {} steps: the tolerance would allow longer ones, but the sweeps they need would cost more "
         "than they save{}",
         limited_, accepted_,
-        options_.max_sweeps < sbdf_max_sweeps
-            ? fmt::format(" or are more than method.max_sweeps = {}", options_.max_sweeps)
-            : std::string("; a coarser grid, if it resolves the solution, is the remedy"));
+        options_.max_sweeps < sbdf_max_sweeps ? fmt::format(" or are more than method.max_sweeps = {}", options_.max_sweeps)
+                                              : std::string("; a coarser grid, if it resolves the solution, is the remedy"));
   }
   if (low_order_ > 0) {
     note += fmt::format("{}{} of {} steps were made at low order since a fast damped oscillation makes higher ones unstable",

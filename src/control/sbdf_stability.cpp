@@ -70,8 +70,7 @@ Recursion<T> recursion(const StepWeights& weights, T phi, T y) {
 }
 
 template <typename T>
-Recursion<T> mode_recursion(const StepWeights& weights, double z, double mu, T reaction,
-                            std::span<const double> shifts) {
+Recursion<T> mode_recursion(const StepWeights& weights, double z, double mu, T reaction, std::span<const double> shifts) {
   const T phi = sweep_remainder(weights.gamma, z, mu, reaction, shifts);
   return recursion<T>(weights, phi, weights.gamma * (z * mu + reaction));
 }
@@ -149,8 +148,7 @@ template std::complex<double> sweep_remainder(double, double, double, std::compl
 template Recursion<double> recursion(const StepWeights&, double, double);
 template Recursion<std::complex<double>> recursion(const StepWeights&, std::complex<double>, std::complex<double>);
 template Recursion<double> mode_recursion(const StepWeights&, double, double, double, std::span<const double>);
-template Recursion<std::complex<double>> mode_recursion(const StepWeights&, double, double, std::complex<double>,
-                                                        std::span<const double>);
+template Recursion<std::complex<double>> mode_recursion(const StepWeights&, double, double, std::complex<double>, std::span<const double>);
 template bool roots_within(const Recursion<double>&, double);
 template bool roots_within(const Recursion<std::complex<double>>&, double);
 template double largest_root(const Recursion<double>&);

@@ -33,8 +33,8 @@ SbdfWavefront::Rings::Rings(const Field& shape, int rows, int width, int sweeps)
   for (int k = 1; k < sweeps; ++k) stages.emplace_back(shape, rows + 3 * width);
 }
 
-SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffusion, const SbdfKernel& kernel,
-                             int max_sweeps, int depth, int together)
+SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffusion, const SbdfKernel& kernel, int max_sweeps, int depth,
+                             int together)
     : decomposition_(&shape.decomposition()),
       diffusion_(&diffusion),
       kernel_(&kernel),
@@ -68,8 +68,8 @@ SbdfWavefront::SbdfWavefront(const Field& shape, const DiffusionOperator& diffus
     for (int sweeps : exchange_depths) {
       if (sweeps * width_ > thinnest || sweeps > std::max(max_sweeps, 1)) break;
       const std::vector<int> widths(2, sweeps * width_);
-      exchanges_.push_back({sweeps, std::make_unique<HaloExchange>(*decomposition_, diffusion.boundary(), n_species_, widths, width_,
-                                                                   std::vector<int>())});
+      exchanges_.push_back(
+          {sweeps, std::make_unique<HaloExchange>(*decomposition_, diffusion.boundary(), n_species_, widths, width_, std::vector<int>())});
       depth_ = sweeps;
     }
     reach_ = depth_ * width_;
@@ -194,8 +194,8 @@ void SbdfWavefront::exchange(const Step& step, Field& predictor, Field& right_si
   const int above = upper_ || periodic_y_ ? std::max(below, n_y_ - depth) : n_y_;
   const int before = left_ ? std::min(whole_packs(depth), n_x_) : 0;
   const int after = right_ ? std::max(before, (n_x_ - depth) / pack_size * pack_size) : n_x_;
-  for (const FreeBox& strip : {FreeBox{0, n_x_, 0, below}, FreeBox{0, n_x_, above, n_y_}, FreeBox{0, before, below, above},
-                               FreeBox{after, n_x_, below, above}}) {
+  for (const FreeBox& strip :
+       {FreeBox{0, n_x_, 0, below}, FreeBox{0, n_x_, above, n_y_}, FreeBox{0, before, below, above}, FreeBox{after, n_x_, below, above}}) {
     if (strip.i_begin >= strip.i_end || strip.j_begin >= strip.j_end) continue;
     make_predictor(step, rows_of(predictor), rows_of(right_side), strip);
   }
@@ -258,8 +258,8 @@ void SbdfWavefront::begin_rows(const Step& step, const Leg& leg, Rings& rings, c
   }
 }
 
-void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Field& predictor,
-                                   const Field& right_side, const Finished& finished) {
+void SbdfWavefront::pass_over_rows(std::span<const Step> steps, std::span<const Leg> legs, const Field& predictor, const Field& right_side,
+                                   const Finished& finished) {
   // Pass 0 of a leg makes what its sweeps start from.
   passes_.clear();
   places_.clear();

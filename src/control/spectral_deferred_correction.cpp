@@ -23,9 +23,10 @@ using Options = SpectralDeferredCorrectionOptions;
 constexpr double round_off_floor = 1e-15;
 
 [[noreturn]] void refuse_alternative() {
-  throw Error(ErrorKind::input,
-              "method.correction: the alternative form converges to the collocation solution only where the starting method is the "
-              "correction method; it needs starting_order = 1, consistent = true, a fixed step, no acceleration and no composition of flows");
+  throw Error(
+      ErrorKind::input,
+      "method.correction: the alternative form converges to the collocation solution only where the starting method is the "
+      "correction method; it needs starting_order = 1, consistent = true, a fixed step, no acceleration and no composition of flows");
 }
 
 Options checked(Options o) {
@@ -42,7 +43,8 @@ Options checked(Options o) {
   if (o.final_update == Options::FinalUpdate::last_node && o.nodes == NodeFamily::gauss_legendre) {
     refuse("method.final_update: the last of the Legendre nodes is not the end of the step; use \"quadrature\" or \"extrapolation\"");
   }
-  if (o.correction == Options::Correction::alternative && (o.starting_order != 1 || !o.consistent || o.accelerate || !(o.fixed_step > 0.0))) {
+  if (o.correction == Options::Correction::alternative &&
+      (o.starting_order != 1 || !o.consistent || o.accelerate || !(o.fixed_step > 0.0))) {
     refuse_alternative();
   }
   return o;
@@ -58,8 +60,8 @@ SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, Right
                                                        const ReactionTerm* reaction, Options options)
     : SpectralDeferredCorrection(shape, rhs, nullptr, &propagator, reaction, options) {}
 
-SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, ImplicitPart* implicit, StepPropagator* propagator,
-                                                       const ReactionTerm* reaction, Options options)
+SpectralDeferredCorrection::SpectralDeferredCorrection(const Field& shape, RightHandSide& rhs, ImplicitPart* implicit,
+                                                       StepPropagator* propagator, const ReactionTerm* reaction, Options options)
     : comm_(&shape.comm()),
       rhs_(&rhs),
       implicit_(implicit),
@@ -320,8 +322,12 @@ void SpectralDeferredCorrection::integrate(const std::vector<double>& weights, d
 void SpectralDeferredCorrection::finish(double t, double dt, const Field& u, Field& u_new) {
   switch (options_.final_update) {
     case Options::FinalUpdate::automatic:
-    case Options::FinalUpdate::last_node: u_new.copy_interior(v_.back()); break;
-    case Options::FinalUpdate::quadrature: integrate(nodes_.w, dt, u, u_new); break;
+    case Options::FinalUpdate::last_node:
+      u_new.copy_interior(v_.back());
+      break;
+    case Options::FinalUpdate::quadrature:
+      integrate(nodes_.w, dt, u, u_new);
+      break;
     case Options::FinalUpdate::extrapolation: {
       std::vector<Term> terms{{end_weights_[0], &u}};
       for (std::size_t k = 0; k < count(); ++k) terms.push_back({end_weights_[k + 1], &v_[k]});
@@ -371,10 +377,11 @@ Attempt SpectralDeferredCorrection::fixed(double t, double dt, Field& u, Field& 
     return a;
   }
   if ((flags & step_flags::not_finite) != 0) {
-    throw Error(ErrorKind::numerics,
-                fmt::format("method.step: the solution is not finite after the step of {:.6g} from t = {:.6g}: this step is not stable; use "
-                            "a smaller one, a smaller method.starting_order, a larger method.gamma_diffusion, or method.tolerance",
-                            dt, t));
+    throw Error(
+        ErrorKind::numerics,
+        fmt::format("method.step: the solution is not finite after the step of {:.6g} from t = {:.6g}: this step is not stable; use "
+                    "a smaller one, a smaller method.starting_order, a larger method.gamma_diffusion, or method.tolerance",
+                    dt, t));
   }
   a.accepted = true;
   a.dt_next = options_.fixed_step;

@@ -43,17 +43,19 @@ void StateNorm::add_squares(int slot, Agreement& agreement, Value&& value) const
 }
 
 void StateNorm::add_difference(const Field& a, const Field& b, int slot, Agreement& agreement) const {
-  add_squares(slot, agreement, [&](int species, int i, int j, auto load) __attribute__((always_inline)) {
-    return load(a.row(species, j) + i) - load(b.row(species, j) + i);
-  });
+  add_squares(
+      slot, agreement, [&](int species, int i, int j, auto load) __attribute__((always_inline)) {
+        return load(a.row(species, j) + i) - load(b.row(species, j) + i);
+      });
 }
 
 void StateNorm::add_combination(std::span<const Term> terms, int slot, Agreement& agreement) const {
-  add_squares(slot, agreement, [&](int species, int i, int j, auto load) __attribute__((always_inline)) {
-    Pack sum(0.0);
-    for (const Term& term : terms) sum = mul_add(Pack(term.factor), load(term.field->row(species, j) + i), sum);
-    return sum;
-  });
+  add_squares(
+      slot, agreement, [&](int species, int i, int j, auto load) __attribute__((always_inline)) {
+        Pack sum(0.0);
+        for (const Term& term : terms) sum = mul_add(Pack(term.factor), load(term.field->row(species, j) + i), sum);
+        return sum;
+      });
 }
 
 void StateNorm::add_scale(const Field& u, Agreement& agreement) const {

@@ -99,8 +99,7 @@ struct AgreementOperation {
     check_mpi(MPI_Op_create(&combine, 1, &op), "MPI_Op_create");
     // MPI_Finalize first deletes the attributes of MPI_COMM_SELF (MPI 3.1, section 8.7.1): the place to free both.
     int key = MPI_KEYVAL_INVALID;
-    check_mpi(MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, &AgreementOperation::free, &key, nullptr),
-              "MPI_Comm_create_keyval");
+    check_mpi(MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, &AgreementOperation::free, &key, nullptr), "MPI_Comm_create_keyval");
     check_mpi(MPI_Comm_set_attr(MPI_COMM_SELF, key, this), "MPI_Comm_set_attr");
     check_mpi(MPI_Comm_free_keyval(&key), "MPI_Comm_free_keyval");
   }
@@ -265,8 +264,7 @@ void Communicator::agree(Agreement& a) const {
   AgreementOperation& operation = AgreementOperation::instance();
   operation.ensure();
   agreed.resize(mine.size());
-  check_mpi(MPI_Allreduce(mine.data(), agreed.data(), static_cast<int>(mine.size()), operation.type, operation.op, comm_),
-            "MPI_Allreduce");
+  check_mpi(MPI_Allreduce(mine.data(), agreed.data(), static_cast<int>(mine.size()), operation.type, operation.op, comm_), "MPI_Allreduce");
   from_units(agreed, a);
 }
 

@@ -41,7 +41,8 @@ bool agreed(bool mine, MPI_Comm node) {
   return all != 0;
 }
 
-/// Memory under a name that is gone when all ranks have it: nothing stays behind, whatever ends a rank later.
+/// Memory under a name that is gone when all ranks have it: nothing stays behind, whatever ends a rank later. A rank that is killed
+/// between leaves a file of its few kilobytes in /dev/shm.
 class SharedObject {
  public:
   SharedObject(const char* name, bool creates, std::size_t length) : name_(name) {

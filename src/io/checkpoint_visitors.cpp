@@ -33,7 +33,8 @@ std::string cells_path(const std::string& name) { return fmt::format("cells/{}",
 
 }  // namespace
 
-SavingVisitor::SavingVisitor(const Decomposition& decomposition, Manifest& manifest) : decomposition_(&decomposition), manifest_(&manifest) {
+SavingVisitor::SavingVisitor(const Decomposition& decomposition, Manifest& manifest)
+    : decomposition_(&decomposition), manifest_(&manifest) {
   hdf5::silence();
   const hdf5::Handle access = hdf5::file_access();
   hdf5::check(H5Pset_fapl_core(access, growth, 0), "HDF5 file in memory");
@@ -100,8 +101,8 @@ LoadingVisitor::LoadingVisitor(const Decomposition& decomposition, const Manifes
     : decomposition_(&decomposition), manifest_(&manifest), path_(std::move(path)) {}
 
 void LoadingVisitor::lacks(const std::string& name) const {
-  throw Error(ErrorKind::input, fmt::format("{}: holds no '{}': it was written by another method or version and cannot be continued here",
-                                            path_, name));
+  throw Error(ErrorKind::input,
+              fmt::format("{}: holds no '{}': it was written by another method or version and cannot be continued here", path_, name));
 }
 
 void LoadingVisitor::numbers(const std::string& name, std::vector<double>& values) {
@@ -126,7 +127,8 @@ void LoadingVisitor::read(const std::string& name, int layers, Row&& row) {
     const hdf5::Handle file = hdf5::open_file(path);
     const hdf5::Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, fmt::format("{}: no '{}'", path, name));
     const std::vector<hsize_t> expected{static_cast<hsize_t>(layers), static_cast<hsize_t>(box[3]), static_cast<hsize_t>(box[2])};
-    if (hdf5::extent_of(dataset) != expected) throw Error(ErrorKind::input, fmt::format("{}: '{}' has another shape than in this run", path, name));
+    if (hdf5::extent_of(dataset) != expected)
+      throw Error(ErrorKind::input, fmt::format("{}: '{}' has another shape than in this run", path, name));
     const auto n_x = static_cast<hsize_t>(to[0] - from[0]);
     const auto n_y = static_cast<hsize_t>(to[1] - from[1]);
     const hdf5::Handle space(H5Dget_space(dataset), H5Sclose, path);
@@ -134,9 +136,11 @@ void LoadingVisitor::read(const std::string& name, int layers, Row&& row) {
     const hsize_t count[3] = {1, n_y, n_x};
     std::vector<double> block(n_x * n_y);
     for (int layer = 0; layer < layers; ++layer) {
-      const hsize_t offset[3] = {static_cast<hsize_t>(layer), static_cast<hsize_t>(from[1] - box[1]), static_cast<hsize_t>(from[0] - box[0])};
+      const hsize_t offset[3] = {static_cast<hsize_t>(layer), static_cast<hsize_t>(from[1] - box[1]),
+                                 static_cast<hsize_t>(from[0] - box[0])};
       hdf5::check(H5Sselect_hyperslab(space, H5S_SELECT_SET, offset, nullptr, count, nullptr), path);
-      hdf5::check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, block.data()), fmt::format("{}: cannot read '{}'", path, name));
+      hdf5::check(H5Dread(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, block.data()),
+                  fmt::format("{}: cannot read '{}'", path, name));
       for (hsize_t j = 0; j < n_y; ++j) {
         double* start = row(layer, static_cast<int>(from[1] - mine[1]) + static_cast<int>(j)) + (from[0] - mine[0]);
         std::memcpy(start, block.data() + j * n_x, n_x * sizeof(double));
@@ -162,8 +166,8 @@ void LoadingVisitor::cells(const std::string& name, std::vector<double>& values)
 void LoadingVisitor::require_all_asked_for() const {
   const auto require = [&](const std::string& name) {
     if (asked_.contains(name)) return;
-    throw Error(ErrorKind::input, fmt::format("{}: holds '{}', which this run has no use for: it was written by another method or version",
-                                              path_, name));
+    throw Error(ErrorKind::input,
+                fmt::format("{}: holds '{}', which this run has no use for: it was written by another method or version", path_, name));
   };
   for (const auto& entry : manifest_->numbers) require(entry.first);
   for (const std::string& name : manifest_->fields) require(name);

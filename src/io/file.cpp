@@ -129,8 +129,8 @@ void reserve(const std::string& path, long long bytes) {
     const int reason = errno;
     if (reason == ENOSPC || reason == EFBIG || reason == EDQUOT || reason == EIO) {
       ::unlink(path.c_str());
-      throw Error(ErrorKind::io, fmt::format("{}: no room for {:.1f} MiB: {}", path, static_cast<double>(bytes) / 1048576.0,
-                                             std::strerror(reason)));
+      throw Error(ErrorKind::io,
+                  fmt::format("{}: no room for {:.1f} MiB: {}", path, static_cast<double>(bytes) / 1048576.0, std::strerror(reason)));
     }
   }
   if (::ftruncate(out.get(), 0) != 0) fail(path, "be written", errno);

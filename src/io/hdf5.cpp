@@ -79,13 +79,9 @@ void write_attribute(hid_t object, const std::string& name, const std::vector<st
   write_array(object, name, string_type(), {texts.size()}, pointers.data());
 }
 
-void write_attribute(hid_t object, const std::string& name, double value) {
-  write_array(object, name, H5T_NATIVE_DOUBLE, {}, &value);
-}
+void write_attribute(hid_t object, const std::string& name, double value) { write_array(object, name, H5T_NATIVE_DOUBLE, {}, &value); }
 
-void write_attribute(hid_t object, const std::string& name, std::int64_t value) {
-  write_array(object, name, H5T_NATIVE_INT64, {}, &value);
-}
+void write_attribute(hid_t object, const std::string& name, std::int64_t value) { write_array(object, name, H5T_NATIVE_INT64, {}, &value); }
 
 void write_attribute(hid_t object, const std::string& name, const std::vector<double>& values) {
   write_array(object, name, H5T_NATIVE_DOUBLE, {values.size()}, values.data());
@@ -124,9 +120,7 @@ std::vector<std::string> read_texts(hid_t object, const std::string& name) {
   return texts;
 }
 
-std::vector<double> read_numbers(hid_t object, const std::string& name) {
-  return read_array<double>(object, name, H5T_NATIVE_DOUBLE);
-}
+std::vector<double> read_numbers(hid_t object, const std::string& name) { return read_array<double>(object, name, H5T_NATIVE_DOUBLE); }
 
 std::vector<std::int64_t> read_integers(hid_t object, const std::string& name) {
   return read_array<std::int64_t>(object, name, H5T_NATIVE_INT64);

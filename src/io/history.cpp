@@ -10,8 +10,7 @@
 namespace stiffront {
 namespace {
 
-const std::string header =
-    "step,time,dt,error,accepted,iterations,epsilon,critical_dt,diffusion_stages,reaction_steps,wall_seconds";
+const std::string header = "step,time,dt,error,accepted,iterations,epsilon,critical_dt,diffusion_stages,reaction_steps,wall_seconds";
 
 }  // namespace
 

@@ -67,7 +67,8 @@ std::string describe_state(hid_t file, const std::string& path) {
                                  header.interpolated ? " (interpolated within it)" : "");
   text += fmt::format("  grid      {} points\n", fmt::join(points, " x "));
   for (std::size_t d = 0; d < points.size(); ++d) {
-    text += fmt::format("  {}         [{}, {}], {} / {}\n", d == 0 ? "x" : "y", lower.at(d), upper.at(d), sides.at(2 * d), sides.at(2 * d + 1));
+    text +=
+        fmt::format("  {}         [{}, {}], {} / {}\n", d == 0 ? "x" : "y", lower.at(d), upper.at(d), sides.at(2 * d), sides.at(2 * d + 1));
   }
   text += fmt::format("  version   {} ({})\n", hdf5::read_text(file, "version"), hdf5::read_text(file, "git_hash"));
   for (const std::string& s : header.species) text += fmt::format("  {:<9} {}\n", s, statistics(file, s));

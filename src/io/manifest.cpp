@@ -43,7 +43,8 @@ void require_cover(const Manifest& m) {
   std::int64_t covered = 0;
   for (const Shard& s : m.shards) {
     for (std::size_t d = 0; d < 2; ++d) {
-      if (s.box[d] < 0 || s.box[d + 2] < 1 || s.box[d] > grid.points[d] - s.box[d + 2]) throw Error(ErrorKind::io, "a box lies outside of the grid");
+      if (s.box[d] < 0 || s.box[d + 2] < 1 || s.box[d] > grid.points[d] - s.box[d + 2])
+        throw Error(ErrorKind::io, "a box lies outside of the grid");
     }
     const std::int64_t points = s.box[2] * s.box[3];
     if (points > grid.total_points() - covered) throw Error(ErrorKind::io, "its boxes overlap");

@@ -78,7 +78,8 @@ void Output::flush() {
 }
 
 void Output::record_failure(std::int64_t step, double t, const Field& u, const std::string& cell_case) const {
-  write_state(directory_->file(OutputDirectory::failed_state_name(step)), {t, step, false, options_.species, options_.case_text}, *boundary_, u);
+  write_state(directory_->file(OutputDirectory::failed_state_name(step)), {t, step, false, options_.species, options_.case_text},
+              *boundary_, u);
   collectively(directory_->comm(), [&] {
     if (directory_->comm().is_root() && !cell_case.empty()) file::replace(directory_->file(OutputDirectory::failed_cell), cell_case);
   });

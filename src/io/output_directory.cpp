@@ -77,7 +77,8 @@ void prove_writable(const std::string& path, const std::string& probe) {
   try {
     file::write(probe, "");
   } catch (const Error& e) {
-    throw Error(ErrorKind::io, fmt::format("output.directory: nothing can be written to '{}' ({}); choose another with -o DIR", path, e.what()));
+    throw Error(ErrorKind::io,
+                fmt::format("output.directory: nothing can be written to '{}' ({}); choose another with -o DIR", path, e.what()));
   }
 }
 
@@ -94,7 +95,8 @@ std::vector<std::string> results_in(const std::string& path) {
   return results;
 }
 
-OutputDirectory::OutputDirectory(const Communicator& comm, std::string path, ExistingResults existing) : comm_(&comm), path_(std::move(path)) {
+OutputDirectory::OutputDirectory(const Communicator& comm, std::string path, ExistingResults existing)
+    : comm_(&comm), path_(std::move(path)) {
   std::string probe;
   collectively(comm, [&] {
     if (!comm.is_root()) return;

@@ -20,15 +20,19 @@ bool abort_needed = false;
 
 const char* name_of(BoundaryKind kind) {
   switch (kind) {
-    case BoundaryKind::periodic: return "periodic";
-    case BoundaryKind::dirichlet: return "dirichlet";
-    default: return "neumann";
+    case BoundaryKind::periodic:
+      return "periodic";
+    case BoundaryKind::dirichlet:
+      return "dirichlet";
+    default:
+      return "neumann";
   }
 }
 
 std::vector<double> positions(const Grid& grid, int direction) {
   std::vector<double> x(static_cast<std::size_t>(grid.uniform_points(direction)));
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = grid.position(direction, grid.index_of_uniform(direction, static_cast<std::int64_t>(i)));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] = grid.position(direction, grid.index_of_uniform(direction, static_cast<std::int64_t>(i)));
   return x;
 }
 
@@ -119,9 +123,7 @@ void write_content(hid_t file, const StateHeader& header, const Boundary& bounda
   const char* axes[2] = {"x", "y"};
   for (int direction = 0; direction < grid.dimension; ++direction) {
     const std::vector<double> x = positions(grid, direction);
-    sequence.then([&] {
-      values.push_back(write_part(file, axes[direction], {x.size()}, {0}, {x.size()}, x.data(), u.comm().is_root()));
-    });
+    sequence.then([&] { values.push_back(write_part(file, axes[direction], {x.size()}, {0}, {x.size()}, x.data(), u.comm().is_root())); });
   }
 
   const std::vector<int> columns = uniform(grid, 0, d.offset_x(), d.n_x());
@@ -180,8 +182,8 @@ void write_state(const std::string& path, const StateHeader& header, const Bound
       hdf5::check(H5Pset_fapl_mpio(access, comm.get(), MPI_INFO_NULL), "parallel HDF5");
       const hdf5::Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "HDF5 property list");
       hdf5::check(H5Pset_userblock(creation, seal::block_size), "HDF5 user block");
-      file = hdf5::Handle(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose,
-                          fmt::format("{}: cannot be created", path));
+      file =
+          hdf5::Handle(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, fmt::format("{}: cannot be created", path));
     });
     collectively(comm, [&] {
       Sequence sequence;

@@ -132,7 +132,10 @@ void check(const std::string& path) {
   }
   if (block.starts_with(hdf5_signature)) return;
   if (!block.starts_with(title) || block.size() < block_size) {
-    throw Error(ErrorKind::io, fmt::format("{}: cannot be opened as an HDF5 file: it begins neither with the signature of HDF5 nor with this program's seal", path));
+    throw Error(
+        ErrorKind::io,
+        fmt::format("{}: cannot be opened as an HDF5 file: it begins neither with the signature of HDF5 nor with this program's seal",
+                    path));
   }
   std::string_view text(block);
   text.remove_prefix(title.size());

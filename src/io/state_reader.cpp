@@ -180,8 +180,8 @@ std::string size_of(const Grid& grid) {
 /// Whether two grids cover one domain up to round-off; a periodic grid's missing end point does not matter.
 void require_same_domain(const Grid& from, const Grid& to) {
   if (from.dimension != to.dimension) {
-    throw Error(ErrorKind::input, fmt::format("holds a state in {} dimension{}, not {}", from.dimension, from.dimension == 1 ? "" : "s",
-                                              to.dimension));
+    throw Error(ErrorKind::input,
+                fmt::format("holds a state in {} dimension{}, not {}", from.dimension, from.dimension == 1 ? "" : "s", to.dimension));
   }
   for (std::size_t d = 0; d < static_cast<std::size_t>(to.dimension); ++d) {
     const double tiny = 1e-12 * (to.upper[d] - to.lower[d]);

@@ -72,16 +72,18 @@ Decomposition::Decomposition(const Communicator& comm, const Grid& grid, std::ar
   }
   const std::string on_ranks = ranks == 1 ? "1 rank" : fmt::format("{} ranks", ranks);
   if (!is_possible(ranks, grid, processes)) {
-    throw Error(ErrorKind::input, fmt::format("grid.processes: {} asked for, but the program runs on {}", layout_text(grid, processes), on_ranks));
+    throw Error(ErrorKind::input,
+                fmt::format("grid.processes: {} asked for, but the program runs on {}", layout_text(grid, processes), on_ranks));
   }
   processes_ = choose_layout(ranks, grid, processes, min_points);
   if (processes_[0] == 0) {
     const bool chosen_freely = processes[0] == 0 && processes[1] == 0;
-    throw Error(ErrorKind::input,
-                fmt::format("grid.processes: {} grid points cannot be divided among {}{} with at least {} points each in a divided "
-                            "direction; use fewer ranks or more points",
-                            grid.dimension == 1 ? fmt::format("{}", grid.points[0]) : fmt::format("{} x {}", grid.points[0], grid.points[1]),
-                            on_ranks, chosen_freely ? "" : " as " + layout_text(grid, processes), min_points));
+    throw Error(
+        ErrorKind::input,
+        fmt::format("grid.processes: {} grid points cannot be divided among {}{} with at least {} points each in a divided "
+                    "direction; use fewer ranks or more points",
+                    grid.dimension == 1 ? fmt::format("{}", grid.points[0]) : fmt::format("{} x {}", grid.points[0], grid.points[1]),
+                    on_ranks, chosen_freely ? "" : " as " + layout_text(grid, processes), min_points));
   }
   coordinates_ = {comm.rank() % processes_[0], comm.rank() / processes_[0]};
   for (std::size_t d = 0; d < 2; ++d) {

@@ -27,9 +27,8 @@ void check_width(const Decomposition& d, const Boundary& boundary, int width, in
       if (kind == BoundaryKind::dirichlet && stencil > 1) least = std::max<std::int64_t>(least, 4);
     }
     if (points / processes >= least) continue;
-    throw Error(ErrorKind::input,
-                fmt::format("grid.points: {} points along {} on {} {} are too few, at least {} each are needed", points,
-                            direction == 0 ? "x" : "y", processes, processes == 1 ? "rank" : "ranks", least));
+    throw Error(ErrorKind::input, fmt::format("grid.points: {} points along {} on {} {} are too few, at least {} each are needed", points,
+                                              direction == 0 ? "x" : "y", processes, processes == 1 ? "rank" : "ranks", least));
   }
 }
 

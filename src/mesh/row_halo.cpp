@@ -54,7 +54,8 @@ void RowHalo::fill_rows(const Rows& u, int s, const FreeBox& box) const {
     for (int k = 1; k <= w; ++k) {
       const int to = which == 0 ? -k : n_y - 1 + k;
       const int from = which == 0 ? n_y - k : k - 1;
-      std::memcpy(u.row(s, to) + box.i_begin, u.row(s, from) + box.i_begin, static_cast<std::size_t>(box.i_end - box.i_begin) * sizeof(double));
+      std::memcpy(u.row(s, to) + box.i_begin, u.row(s, from) + box.i_begin,
+                  static_cast<std::size_t>(box.i_end - box.i_begin) * sizeof(double));
     }
   }
 }

@@ -38,38 +38,69 @@ constexpr double largest_expanded_power = 64.0;
 
 double fold(Operation operation, double a, double b, double c) {
   switch (operation) {
-    case Operation::add: return a + b;
-    case Operation::subtract: return a - b;
-    case Operation::multiply: return a * b;
-    case Operation::divide: return a / b;
-    case Operation::negate: return -a;
-    case Operation::multiply_add: return a * b + c;
-    case Operation::power: return std::pow(a, b);
-    case Operation::minimum: return a < b ? a : b;
-    case Operation::maximum: return a > b ? a : b;
-    case Operation::absolute: return std::abs(a);
-    case Operation::square_root: return std::sqrt(a);
-    case Operation::exponential: return std::exp(a);
-    case Operation::logarithm: return std::log(a);
-    case Operation::logarithm10: return std::log10(a);
-    case Operation::sine: return std::sin(a);
-    case Operation::cosine: return std::cos(a);
-    case Operation::tangent: return std::tan(a);
-    case Operation::arc_sine: return std::asin(a);
-    case Operation::arc_cosine: return std::acos(a);
-    case Operation::arc_tangent: return std::atan(a);
-    case Operation::hyperbolic_sine: return std::sinh(a);
-    case Operation::hyperbolic_cosine: return std::cosh(a);
-    case Operation::hyperbolic_tangent: return std::tanh(a);
-    case Operation::less: return a < b ? 1.0 : 0.0;
-    case Operation::less_equal: return a <= b ? 1.0 : 0.0;
-    case Operation::greater: return a > b ? 1.0 : 0.0;
-    case Operation::greater_equal: return a >= b ? 1.0 : 0.0;
-    case Operation::equal: return a == b ? 1.0 : 0.0;
-    case Operation::not_equal: return a != b ? 1.0 : 0.0;
-    case Operation::select: return a != 0.0 ? b : c;
+    case Operation::add:
+      return a + b;
+    case Operation::subtract:
+      return a - b;
+    case Operation::multiply:
+      return a * b;
+    case Operation::divide:
+      return a / b;
+    case Operation::negate:
+      return -a;
+    case Operation::multiply_add:
+      return a * b + c;
+    case Operation::power:
+      return std::pow(a, b);
+    case Operation::minimum:
+      return a < b ? a : b;
+    case Operation::maximum:
+      return a > b ? a : b;
+    case Operation::absolute:
+      return std::abs(a);
+    case Operation::square_root:
+      return std::sqrt(a);
+    case Operation::exponential:
+      return std::exp(a);
+    case Operation::logarithm:
+      return std::log(a);
+    case Operation::logarithm10:
+      return std::log10(a);
+    case Operation::sine:
+      return std::sin(a);
+    case Operation::cosine:
+      return std::cos(a);
+    case Operation::tangent:
+      return std::tan(a);
+    case Operation::arc_sine:
+      return std::asin(a);
+    case Operation::arc_cosine:
+      return std::acos(a);
+    case Operation::arc_tangent:
+      return std::atan(a);
+    case Operation::hyperbolic_sine:
+      return std::sinh(a);
+    case Operation::hyperbolic_cosine:
+      return std::cosh(a);
+    case Operation::hyperbolic_tangent:
+      return std::tanh(a);
+    case Operation::less:
+      return a < b ? 1.0 : 0.0;
+    case Operation::less_equal:
+      return a <= b ? 1.0 : 0.0;
+    case Operation::greater:
+      return a > b ? 1.0 : 0.0;
+    case Operation::greater_equal:
+      return a >= b ? 1.0 : 0.0;
+    case Operation::equal:
+      return a == b ? 1.0 : 0.0;
+    case Operation::not_equal:
+      return a != b ? 1.0 : 0.0;
+    case Operation::select:
+      return a != 0.0 ? b : c;
     case Operation::constant:
-    case Operation::variable: break;
+    case Operation::variable:
+      break;
   }
   throw Error(ErrorKind::bug, "an operation without a value was folded");
 }
@@ -158,12 +189,14 @@ Node ExpressionGraph::make(Operation operation, Node a, Node b, Node c) {
     case Operation::negate:
       if (is_negation(a)) return data(a).a;
       break;
-    case Operation::power: return power(a, b);
+    case Operation::power:
+      return power(a, b);
     case Operation::select:
       if (is_constant(a)) return data(a).value != 0.0 ? b : c;
       if (b == c) return b;
       break;
-    default: break;
+    default:
+      break;
   }
   return intern({operation, a, b, c, 0.0});
 }

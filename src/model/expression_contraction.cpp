@@ -47,10 +47,14 @@ class Factors {
 
   Node make(Operation operation, Node a, Node b, Node c) {
     switch (operation) {
-      case Operation::multiply: return product(a, b);
-      case Operation::divide: return quotient(a, b);
-      case Operation::negate: return negative(a);
-      default: return graph_.make(operation, a, b, c);
+      case Operation::multiply:
+        return product(a, b);
+      case Operation::divide:
+        return quotient(a, b);
+      case Operation::negate:
+        return negative(a);
+      default:
+        return graph_.make(operation, a, b, c);
     }
   }
 
@@ -139,8 +143,9 @@ std::vector<Node> fuse(ExpressionGraph& graph, const std::vector<Node>& roots, c
 
 std::vector<Node> contract(ExpressionGraph& graph, const std::vector<Node>& roots, const std::vector<Node>& kept) {
   Factors factors(graph);
-  const std::vector<Node> gathered = Rewriting(graph, roots, kept).apply(
-      [&](Node, Operation operation, Node a, Node b, Node c) { return factors.make(operation, a, b, c); });
+  const std::vector<Node> gathered = Rewriting(graph, roots, kept).apply([&](Node, Operation operation, Node a, Node b, Node c) {
+    return factors.make(operation, a, b, c);
+  });
   return fuse(graph, gathered, kept);
 }
 

@@ -36,40 +36,62 @@ Node ExpressionGraph::derivative_of(Node node, int k) {
   const auto function = [&](Operation f, Node a) { return make(f, a); };
   const auto cosine_of_arc = [&] { return function(Operation::square_root, minus(one, times(d.a, d.a))); };
   switch (d.operation) {
-    case Operation::add: return plus(da, db);
-    case Operation::subtract: return minus(da, db);
-    case Operation::multiply: return plus(times(da, d.b), times(d.a, db));
-    case Operation::divide: return over(minus(da, times(node, db)), d.b);
-    case Operation::negate: return negative(da);
-    case Operation::multiply_add: return plus(plus(times(da, d.b), times(d.a, db)), dc);
+    case Operation::add:
+      return plus(da, db);
+    case Operation::subtract:
+      return minus(da, db);
+    case Operation::multiply:
+      return plus(times(da, d.b), times(d.a, db));
+    case Operation::divide:
+      return over(minus(da, times(node, db)), d.b);
+    case Operation::negate:
+      return negative(da);
+    case Operation::multiply_add:
+      return plus(plus(times(da, d.b), times(d.a, db)), dc);
     case Operation::power: {
       // d(a^b) = b a^(b-1) da + a^b log(a) db
       Node by_base = times(d.b, make(Operation::power, d.a, minus(d.b, one)));
       if (is_constant(d.b) && data(d.b).value > 0.0 && data(d.b).value < 1.0) {
         by_base = make(Operation::select, make(Operation::equal, d.a, zero), zero, by_base);
       }
-      const Node by_exponent = make(Operation::select, make(Operation::greater, d.a, zero),
-                                    times(node, function(Operation::logarithm, d.a)), zero);
+      const Node by_exponent =
+          make(Operation::select, make(Operation::greater, d.a, zero), times(node, function(Operation::logarithm, d.a)), zero);
       return plus(times(by_base, da), times(by_exponent, db));
     }
-    case Operation::minimum: return make(Operation::select, make(Operation::less, d.a, d.b), da, db);
-    case Operation::maximum: return make(Operation::select, make(Operation::greater, d.a, d.b), da, db);
-    case Operation::absolute: return make(Operation::select, make(Operation::less, d.a, zero), negative(da), da);
+    case Operation::minimum:
+      return make(Operation::select, make(Operation::less, d.a, d.b), da, db);
+    case Operation::maximum:
+      return make(Operation::select, make(Operation::greater, d.a, d.b), da, db);
+    case Operation::absolute:
+      return make(Operation::select, make(Operation::less, d.a, zero), negative(da), da);
     case Operation::square_root:
       return make(Operation::select, make(Operation::equal, node, zero), zero, over(times(constant(0.5), da), node));
-    case Operation::exponential: return times(node, da);
-    case Operation::logarithm: return over(da, d.a);
-    case Operation::logarithm10: return over(times(constant(1.0 / std::numbers::ln10), da), d.a);
-    case Operation::sine: return times(function(Operation::cosine, d.a), da);
-    case Operation::cosine: return negative(times(function(Operation::sine, d.a), da));
-    case Operation::tangent: return times(plus(one, times(node, node)), da);
-    case Operation::arc_sine: return over(da, cosine_of_arc());
-    case Operation::arc_cosine: return negative(over(da, cosine_of_arc()));
-    case Operation::arc_tangent: return over(da, plus(one, times(d.a, d.a)));
-    case Operation::hyperbolic_sine: return times(function(Operation::hyperbolic_cosine, d.a), da);
-    case Operation::hyperbolic_cosine: return times(function(Operation::hyperbolic_sine, d.a), da);
-    case Operation::hyperbolic_tangent: return times(minus(one, times(node, node)), da);
-    case Operation::select: return make(Operation::select, d.a, db, dc);
+    case Operation::exponential:
+      return times(node, da);
+    case Operation::logarithm:
+      return over(da, d.a);
+    case Operation::logarithm10:
+      return over(times(constant(1.0 / std::numbers::ln10), da), d.a);
+    case Operation::sine:
+      return times(function(Operation::cosine, d.a), da);
+    case Operation::cosine:
+      return negative(times(function(Operation::sine, d.a), da));
+    case Operation::tangent:
+      return times(plus(one, times(node, node)), da);
+    case Operation::arc_sine:
+      return over(da, cosine_of_arc());
+    case Operation::arc_cosine:
+      return negative(over(da, cosine_of_arc()));
+    case Operation::arc_tangent:
+      return over(da, plus(one, times(d.a, d.a)));
+    case Operation::hyperbolic_sine:
+      return times(function(Operation::hyperbolic_cosine, d.a), da);
+    case Operation::hyperbolic_cosine:
+      return times(function(Operation::hyperbolic_sine, d.a), da);
+    case Operation::hyperbolic_tangent:
+      return times(minus(one, times(node, node)), da);
+    case Operation::select:
+      return make(Operation::select, d.a, db, dc);
     case Operation::constant:
     case Operation::variable:
     case Operation::less:
@@ -77,7 +99,8 @@ Node ExpressionGraph::derivative_of(Node node, int k) {
     case Operation::greater:
     case Operation::greater_equal:
     case Operation::equal:
-    case Operation::not_equal: break;
+    case Operation::not_equal:
+      break;
   }
   return zero;
 }

@@ -24,12 +24,24 @@ struct Function {
 };
 
 constexpr Function functions[] = {
-    {"if", 3, Operation::select},       {"min", 2, Operation::minimum},     {"max", 2, Operation::maximum},
-    {"pow", 2, Operation::power},       {"abs", 1, Operation::absolute},    {"sqrt", 1, Operation::square_root},
-    {"exp", 1, Operation::exponential}, {"log", 1, Operation::logarithm},   {"log10", 1, Operation::logarithm10},
-    {"sin", 1, Operation::sine},        {"cos", 1, Operation::cosine},      {"tan", 1, Operation::tangent},
-    {"asin", 1, Operation::arc_sine},   {"acos", 1, Operation::arc_cosine}, {"atan", 1, Operation::arc_tangent},
-    {"sinh", 1, Operation::hyperbolic_sine}, {"cosh", 1, Operation::hyperbolic_cosine}, {"tanh", 1, Operation::hyperbolic_tangent},
+    {"if", 3, Operation::select},
+    {"min", 2, Operation::minimum},
+    {"max", 2, Operation::maximum},
+    {"pow", 2, Operation::power},
+    {"abs", 1, Operation::absolute},
+    {"sqrt", 1, Operation::square_root},
+    {"exp", 1, Operation::exponential},
+    {"log", 1, Operation::logarithm},
+    {"log10", 1, Operation::logarithm10},
+    {"sin", 1, Operation::sine},
+    {"cos", 1, Operation::cosine},
+    {"tan", 1, Operation::tangent},
+    {"asin", 1, Operation::arc_sine},
+    {"acos", 1, Operation::arc_cosine},
+    {"atan", 1, Operation::arc_tangent},
+    {"sinh", 1, Operation::hyperbolic_sine},
+    {"cosh", 1, Operation::hyperbolic_cosine},
+    {"tanh", 1, Operation::hyperbolic_tangent},
 };
 constexpr const char* arrhenius_name = "arrhenius";
 constexpr double gas_constant = 8.31446261815324;  // J/(mol K), exact in the SI of 2019
@@ -152,9 +164,9 @@ class Parser {
   Node comparison() {
     const Node a = sum();
     if (at_end()) return a;
-    static constexpr std::pair<std::string_view, Operation> operators[] = {
-        {"<=", Operation::less_equal}, {">=", Operation::greater_equal}, {"==", Operation::equal},
-        {"!=", Operation::not_equal},  {"<", Operation::less},           {">", Operation::greater}};
+    static constexpr std::pair<std::string_view, Operation> operators[] = {{"<=", Operation::less_equal}, {">=", Operation::greater_equal},
+                                                                           {"==", Operation::equal},      {"!=", Operation::not_equal},
+                                                                           {"<", Operation::less},        {">", Operation::greater}};
     const auto find = [&] {
       return std::find_if(std::begin(operators), std::end(operators),
                           [&](const auto& entry) { return text_.compare(at_, entry.first.size(), entry.first) == 0; });
@@ -251,8 +263,8 @@ class Parser {
       if (variable != variables.end() || given != constants_.end()) {
         fail_at(start, fmt::format("\"{}\" is no function; a product is written with *", word));
       }
-      fail_at(start, fmt::format("unknown function \"{}\"{}", word,
-                                 with_allowed(suggestion(word, function_names()), "", function_names())));
+      fail_at(start,
+              fmt::format("unknown function \"{}\"{}", word, with_allowed(suggestion(word, function_names()), "", function_names())));
     }
     if (variable != variables.end()) return graph_.variable(static_cast<int>(variable - variables.begin()));
     if (given != constants_.end()) {

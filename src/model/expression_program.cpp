@@ -37,24 +37,42 @@ struct Selected {
 
 Code function_code(Operation operation) {
   switch (operation) {
-    case Operation::power: return Code::power;
-    case Operation::minimum: return Code::minimum;
-    case Operation::maximum: return Code::maximum;
-    case Operation::absolute: return Code::absolute;
-    case Operation::square_root: return Code::square_root;
-    case Operation::exponential: return Code::exponential;
-    case Operation::logarithm: return Code::logarithm;
-    case Operation::logarithm10: return Code::logarithm10;
-    case Operation::sine: return Code::sine;
-    case Operation::cosine: return Code::cosine;
-    case Operation::tangent: return Code::tangent;
-    case Operation::arc_sine: return Code::arc_sine;
-    case Operation::arc_cosine: return Code::arc_cosine;
-    case Operation::arc_tangent: return Code::arc_tangent;
-    case Operation::hyperbolic_sine: return Code::hyperbolic_sine;
-    case Operation::hyperbolic_cosine: return Code::hyperbolic_cosine;
-    case Operation::hyperbolic_tangent: return Code::hyperbolic_tangent;
-    default: throw Error(ErrorKind::bug, "this operation is not a function");
+    case Operation::power:
+      return Code::power;
+    case Operation::minimum:
+      return Code::minimum;
+    case Operation::maximum:
+      return Code::maximum;
+    case Operation::absolute:
+      return Code::absolute;
+    case Operation::square_root:
+      return Code::square_root;
+    case Operation::exponential:
+      return Code::exponential;
+    case Operation::logarithm:
+      return Code::logarithm;
+    case Operation::logarithm10:
+      return Code::logarithm10;
+    case Operation::sine:
+      return Code::sine;
+    case Operation::cosine:
+      return Code::cosine;
+    case Operation::tangent:
+      return Code::tangent;
+    case Operation::arc_sine:
+      return Code::arc_sine;
+    case Operation::arc_cosine:
+      return Code::arc_cosine;
+    case Operation::arc_tangent:
+      return Code::arc_tangent;
+    case Operation::hyperbolic_sine:
+      return Code::hyperbolic_sine;
+    case Operation::hyperbolic_cosine:
+      return Code::hyperbolic_cosine;
+    case Operation::hyperbolic_tangent:
+      return Code::hyperbolic_tangent;
+    default:
+      throw Error(ErrorKind::bug, "this operation is not a function");
   }
 }
 
@@ -76,21 +94,36 @@ class Selection {
   Selected select(Node n) const {
     const ExpressionGraph::NodeData& d = graph_.data(n);
     switch (d.operation) {
-      case Operation::constant: return {Code::constant, {}, d.value};
-      case Operation::add: return sum(d.a, d.b);
-      case Operation::subtract: return difference(d.a, d.b);
-      case Operation::multiply: return product(d.a, d.b);
-      case Operation::divide: return quotient(d.a, d.b);
-      case Operation::negate: return {Code::negate, {d.a}};
-      case Operation::multiply_add: return product_and_sum(d.a, d.b, d.c);
-      case Operation::less: return {Code::less, {d.a, d.b}};
-      case Operation::less_equal: return {Code::less_equal, {d.a, d.b}};
-      case Operation::greater: return {Code::less, {d.b, d.a}};
-      case Operation::greater_equal: return {Code::less_equal, {d.b, d.a}};
-      case Operation::equal: return {Code::equal, {d.a, d.b}};
-      case Operation::not_equal: return {Code::not_equal, {d.a, d.b}};
-      case Operation::select: return choice(d.a, d.b, d.c);
-      default: return {function_code(d.operation), {d.a, d.b}};
+      case Operation::constant:
+        return {Code::constant, {}, d.value};
+      case Operation::add:
+        return sum(d.a, d.b);
+      case Operation::subtract:
+        return difference(d.a, d.b);
+      case Operation::multiply:
+        return product(d.a, d.b);
+      case Operation::divide:
+        return quotient(d.a, d.b);
+      case Operation::negate:
+        return {Code::negate, {d.a}};
+      case Operation::multiply_add:
+        return product_and_sum(d.a, d.b, d.c);
+      case Operation::less:
+        return {Code::less, {d.a, d.b}};
+      case Operation::less_equal:
+        return {Code::less_equal, {d.a, d.b}};
+      case Operation::greater:
+        return {Code::less, {d.b, d.a}};
+      case Operation::greater_equal:
+        return {Code::less_equal, {d.b, d.a}};
+      case Operation::equal:
+        return {Code::equal, {d.a, d.b}};
+      case Operation::not_equal:
+        return {Code::not_equal, {d.a, d.b}};
+      case Operation::select:
+        return choice(d.a, d.b, d.c);
+      default:
+        return {function_code(d.operation), {d.a, d.b}};
     }
   }
 
@@ -99,13 +132,9 @@ class Selection {
   Node right(Node n) const { return graph_.data(n).b; }
   bool is_constant(Node n) const { return graph_.is_constant(n); }
   double value(Node n) const { return graph_.data(n).value; }
-  bool lone(Node n, Operation operation) const {
-    return graph_.data(n).operation == operation && uses_[static_cast<std::size_t>(n)] == 1;
-  }
+  bool lone(Node n, Operation operation) const { return graph_.data(n).operation == operation && uses_[static_cast<std::size_t>(n)] == 1; }
   /// A lone operation on two operands of which none is a constant.
-  bool lone_plain(Node n, Operation operation) const {
-    return lone(n, operation) && !is_constant(left(n)) && !is_constant(right(n));
-  }
+  bool lone_plain(Node n, Operation operation) const { return lone(n, operation) && !is_constant(left(n)) && !is_constant(right(n)); }
   /// A lone k + a (or a - k), whichever way round it was written.
   bool lone_shift(Node n, Node& a, double& k) const {
     if (lone(n, Operation::add) && (is_constant(left(n)) || is_constant(right(n)))) {

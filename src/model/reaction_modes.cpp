@@ -13,8 +13,7 @@
 
 namespace stiffront {
 
-void look_at_reaction_modes(const ReactionTerm& model, double t, const Field& u, const FreeBox& box,
-                            std::int64_t at_most,
+void look_at_reaction_modes(const ReactionTerm& model, double t, const Field& u, const FreeBox& box, std::int64_t at_most,
                             const std::function<bool(int, int, std::span<const std::complex<double>>)>& f) {
   const Decomposition& d = u.decomposition();
   const Grid& grid = d.grid();
@@ -29,8 +28,8 @@ void look_at_reaction_modes(const ReactionTerm& model, double t, const Field& u,
       // 31: so that the chosen points of neighbouring rows are not below each other.
       if ((d.offset_x() + i + 31 * (d.offset_y() + j)) % stride != 0) continue;
       for (int s = 0; s < m; ++s) cell[static_cast<std::size_t>(s)] = u.at(s, i, j);
-      model.jacobian_at(t, grid.position(0, d.offset_x() + i),
-                        grid.dimension == 2 ? grid.position(1, d.offset_y() + j) : 0.0, cell.data(), entries.data());
+      model.jacobian_at(t, grid.position(0, d.offset_x() + i), grid.dimension == 2 ? grid.position(1, d.offset_y() + j) : 0.0, cell.data(),
+                        entries.data());
       if (!std::all_of(entries.begin(), entries.end(), [](double x) { return std::isfinite(x); })) {
         if (!f(i, j, {})) return;
         continue;

@@ -83,13 +83,9 @@ void EdgeMessages::exchange(const Level& level, bool odd_sends, int width) {
     const auto leftwards = static_cast<int>(sends == (side == 0));
     const auto request = static_cast<std::size_t>(n++);
     if (sends) {
-      check_mpi(
-          MPI_Isend(out_[side].data(), width, MPI_DOUBLE, edge.partner, leftwards, comm_->get(), &requests[request]),
-          "MPI_Isend");
+      check_mpi(MPI_Isend(out_[side].data(), width, MPI_DOUBLE, edge.partner, leftwards, comm_->get(), &requests[request]), "MPI_Isend");
     } else {
-      check_mpi(
-          MPI_Irecv(in_[side].data(), width, MPI_DOUBLE, edge.partner, leftwards, comm_->get(), &requests[request]),
-          "MPI_Irecv");
+      check_mpi(MPI_Irecv(in_[side].data(), width, MPI_DOUBLE, edge.partner, leftwards, comm_->get(), &requests[request]), "MPI_Irecv");
     }
   }
   if (n > 0) check_mpi(MPI_Waitall(n, requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");

@@ -153,7 +153,8 @@ std::vector<CoarseGrid> coarse_grids(const Decomposition& d, const Boundary& bou
     return GridLine(grid, direction, fixed(0), fixed(1));
   };
   std::vector<CoarseGrid> grids;
-  grids.push_back({{line(0), line(1)}, false, {static_cast<int>(d.offset_x()), static_cast<int>(d.offset_y())}, {d.n_x(), d.n_y()}, {}, {}});
+  grids.push_back(
+      {{line(0), line(1)}, false, {static_cast<int>(d.offset_x()), static_cast<int>(d.offset_y())}, {d.n_x(), d.n_y()}, {}, {}});
   find_unknowns(grids[0]);
   std::vector<std::array<int, 4>> parts;
   for (int r = 0; r < d.comm().size(); ++r) {
@@ -244,10 +245,12 @@ void PlaneExchange::exchange_direction(std::size_t d, const PlaneView& u, int n_
     }
     // Two ranks may be neighbours on both sides: a message is tagged by the direction it travels in.
     const int tag = static_cast<int>(2 * d + side);
-    check_mpi(MPI_Isend(out_[side].data(), width, MPI_DOUBLE, rank, tag, comm_->get(), &requests[static_cast<std::size_t>(n_requests++)]), "MPI_Isend");
+    check_mpi(MPI_Isend(out_[side].data(), width, MPI_DOUBLE, rank, tag, comm_->get(), &requests[static_cast<std::size_t>(n_requests++)]),
+              "MPI_Isend");
     const int other_tag = static_cast<int>(2 * d + (1 - side));
-    check_mpi(MPI_Irecv(in_[side].data(), width, MPI_DOUBLE, rank, other_tag, comm_->get(), &requests[static_cast<std::size_t>(n_requests++)]),
-              "MPI_Irecv");
+    check_mpi(
+        MPI_Irecv(in_[side].data(), width, MPI_DOUBLE, rank, other_tag, comm_->get(), &requests[static_cast<std::size_t>(n_requests++)]),
+        "MPI_Irecv");
   }
   if (n_requests > 0) check_mpi(MPI_Waitall(n_requests, requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
   for (std::size_t side = 0; side < 2; ++side) {

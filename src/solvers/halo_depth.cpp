@@ -98,9 +98,7 @@ HaloCost::HaloCost(const Decomposition& d, int stencil, double exchange) : stenc
 
 double HaloCost::seconds(int depth, int stages, int variables) const {
   // A box and the halo around it where there are neighbours.
-  const auto size = [this](double width) {
-    return (points_[0] + neighbours_[0] * width) * (points_[1] + neighbours_[1] * width);
-  };
+  const auto size = [this](double width) { return (points_[0] + neighbours_[0] * width) * (points_[1] + neighbours_[1] * width); };
   const double sides = neighbours_[0] + neighbours_[1];
   const double corners = neighbours_[0] * neighbours_[1];
   const double interior = seconds_per_value * variables * std::max(0.0, size(-8.0 - stencil_));

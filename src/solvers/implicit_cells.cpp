@@ -15,7 +15,10 @@ template <int m>
 class CellLocalPart final : public ImplicitPart {
  public:
   CellLocalPart(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction, ImplicitTerms terms)
-      : reaction_(&reaction), terms_(terms), free_(diffusion.boundary().free_box(shape.decomposition())), jacobian_(shape.decomposition(), m * m, 0) {
+      : reaction_(&reaction),
+        terms_(terms),
+        free_(diffusion.boundary().free_box(shape.decomposition())),
+        jacobian_(shape.decomposition(), m * m, 0) {
     for (int s = 0; s < m; ++s) diagonal_[s] = 2.0 * terms.gamma_diffusion * (diffusion.k_x(s) + diffusion.k_y(s));
   }
 

@@ -57,7 +57,8 @@ class Advection {
 template <int m>
 class LinePart final : public ImplicitPart {
  public:
-  LinePart(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction, ImplicitTerms terms, const TransportTerm* transport)
+  LinePart(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction, ImplicitTerms terms,
+           const TransportTerm* transport)
       : reaction_(&reaction),
         terms_(terms),
         decomposition_(&shape.decomposition()),
@@ -132,8 +133,9 @@ class LinePart final : public ImplicitPart {
 
 }  // namespace
 
-std::unique_ptr<ImplicitPart> make_block_tridiagonal_part(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction,
-                                                          ImplicitTerms terms, const TransportTerm* transport) {
+std::unique_ptr<ImplicitPart> make_block_tridiagonal_part(const Field& shape, const DiffusionOperator& diffusion,
+                                                          const ReactionTerm& reaction, ImplicitTerms terms,
+                                                          const TransportTerm* transport) {
   if (diffusion.dimension() != 1) throw Error(ErrorKind::input, "method.implicit_solver: \"block-tridiagonal\" is for one dimension");
   return for_species_count<std::unique_ptr<ImplicitPart>>(
       shape.n_species(), [&]<int m>() { return std::make_unique<LinePart<m>>(shape, diffusion, reaction, terms, transport); });

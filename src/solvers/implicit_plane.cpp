@@ -66,7 +66,8 @@ class PlanePart final : public ImplicitPart {
       } else {
         reaction_->jacobian(t, at, jacobian_, grids_[0].free);
       }
-      work.reaction_jacobians += static_cast<std::int64_t>(grids_[0].free.i_end - grids_[0].free.i_begin) * (grids_[0].free.j_end - grids_[0].free.j_begin);
+      work.reaction_jacobians +=
+          static_cast<std::int64_t>(grids_[0].free.i_end - grids_[0].free.i_begin) * (grids_[0].free.j_end - grids_[0].free.j_begin);
     }
     set_matrices(h);
     ++solves_;
@@ -97,9 +98,10 @@ class PlanePart final : public ImplicitPart {
 
   std::string closing_note() const override {
     if (unfinished_ == 0) return {};
-    return fmt::format("{} of {} implicit solves of sdc stopped after {} iterations, before method.linear_tolerance was reached; a smaller step "
-                       "makes them easier",
-                       unfinished_, solves_, most_iterations);
+    return fmt::format(
+        "{} of {} implicit solves of sdc stopped after {} iterations, before method.linear_tolerance was reached; a smaller step "
+        "makes them easier",
+        unfinished_, solves_, most_iterations);
   }
 
  private:
@@ -280,9 +282,8 @@ class PlanePart final : public ImplicitPart {
   }
   void subtract(const PlaneView& u, const PlaneView& v, const PlaneView& result) {
     for (int s = 0; s < m; ++s) {
-      levels_[0].for_cells([&](int i, int j, int n) {
-        (Pack::load(u.row(s, j) + i) - Pack::load(v.row(s, j) + i)).store_partial(result.row(s, j) + i, n);
-      });
+      levels_[0].for_cells(
+          [&](int i, int j, int n) { (Pack::load(u.row(s, j) + i) - Pack::load(v.row(s, j) + i)).store_partial(result.row(s, j) + i, n); });
     }
   }
   void copy_cells(const PlaneView& from, const PlaneView& to) {
@@ -328,9 +329,8 @@ class PlanePart final : public ImplicitPart {
 std::unique_ptr<ImplicitPart> make_multigrid_part(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction,
                                                   ImplicitTerms terms, double relative_tolerance) {
   if (diffusion.dimension() != 2) throw Error(ErrorKind::input, "method.implicit_solver: \"multigrid\" is for two dimensions");
-  return for_species_count<std::unique_ptr<ImplicitPart>>(shape.n_species(), [&]<int m>() {
-    return std::make_unique<PlanePart<m>>(shape, diffusion, reaction, terms, relative_tolerance);
-  });
+  return for_species_count<std::unique_ptr<ImplicitPart>>(
+      shape.n_species(), [&]<int m>() { return std::make_unique<PlanePart<m>>(shape, diffusion, reaction, terms, relative_tolerance); });
 }
 
 }  // namespace stiffront

@@ -53,8 +53,7 @@ std::vector<double> zeros(double from, int n) {
 template <int m>
 class Correction final : public PlaneCorrection {
  public:
-  Correction(const Field& shape, const DiffusionOperator& diffusion)
-      : diffusion_(&diffusion), residual_(shape.decomposition(), m, 1) {
+  Correction(const Field& shape, const DiffusionOperator& diffusion) : diffusion_(&diffusion), residual_(shape.decomposition(), m, 1) {
     int leading = 0;
     for (int s = 1; s < m; ++s) {
       if (diffusion.coefficient(s) > diffusion.coefficient(leading)) leading = s;
@@ -179,8 +178,8 @@ class Correction final : public PlaneCorrection {
   std::vector<CoarseGrid> grids_;
   std::optional<PlaneTransfer> transfer_;  // of the finest grid
   std::optional<PlaneExchange> halo_;      // of the residual
-  std::vector<PlaneLevel<m>> levels_;                      // without the finest
-  std::vector<Weights> weights_;                      // of every level
+  std::vector<PlaneLevel<m>> levels_;      // without the finest
+  std::vector<Weights> weights_;           // of every level
   std::size_t n_levels_ = 1;
   std::array<std::vector<double>, groups> shifts_;
   std::vector<int> columns_, rows_;  // of this rank's points of the first coarser grid

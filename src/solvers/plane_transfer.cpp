@@ -47,7 +47,8 @@ void PlaneTransfer::restrict_to(const CoarseGrid& coarse, const PlaneView& u, co
       for (; ic + pack_size <= regular; ic += pack_size) {
         const auto gi = static_cast<std::size_t>(ic);
         const double* at = strip + (2 * ic - grid_->begin[0]);
-        const Pack sides = Pack::load(&along_x.before[gi]) * load_every_second(at - 1) + Pack::load(&along_x.after[gi]) * load_every_second(at + 1);
+        const Pack sides =
+            Pack::load(&along_x.before[gi]) * load_every_second(at - 1) + Pack::load(&along_x.after[gi]) * load_every_second(at + 1);
         (Pack::load(&along_x.at[gi]) * load_every_second(at) + sides).store(out + ic);
       }
       for (; ic < i_last; ++ic) {
@@ -70,7 +71,8 @@ void PlaneTransfer::add_from(const CoarseGrid& coarse, const PlaneView& values, 
   const int first_pair = begin + (begin + grid_->begin[0]) % 2;
   int regular = first_pair;
   if (along_x.centre.size() < along_x.position.size()) {
-    while (regular + 2 <= end && along_x.left[static_cast<std::size_t>(regular + 1 + grid_->begin[0])] == (regular + grid_->begin[0]) / 2) regular += 2;
+    while (regular + 2 <= end && along_x.left[static_cast<std::size_t>(regular + 1 + grid_->begin[0])] == (regular + grid_->begin[0]) / 2)
+      regular += 2;
   }
   for (int c = 0; c < components; ++c) {
     for (int j = grid_->free.j_begin; j < grid_->free.j_end; ++j) {
@@ -97,7 +99,8 @@ void PlaneTransfer::add_from(const CoarseGrid& coarse, const PlaneView& values, 
         store_in_turn(Pack::load(at + 1), Pack::load(at + 1), right);
         for (int p = 0; p < 2 * pack_size; p += pack_size) {
           const auto g = gi + static_cast<std::size_t>(p);
-          const Pack sum = Pack::load(&along_x.by_left[g]) * Pack::load(left + p) + Pack::load(&along_x.by_right[g]) * Pack::load(right + p);
+          const Pack sum =
+              Pack::load(&along_x.by_left[g]) * Pack::load(left + p) + Pack::load(&along_x.by_right[g]) * Pack::load(right + p);
           (Pack::load(out + i + p) + sum).store(out + i + p);
         }
       }

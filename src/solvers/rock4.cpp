@@ -82,8 +82,7 @@ struct SolutionRow {
     const Pack before = Pack::load(start + i);
     const Pack after = base + mul_add(weight, f, mul_add(w4, d4, mul_add(w3, d3, w2 * d2)));
     const Pack estimate =
-        mul_add(error_weight, f,
-                mul_add(error_start, before - base, mul_add(error_w4, d4, mul_add(error_w3, d3, error_w2 * d2))));
+        mul_add(error_weight, f, mul_add(error_start, before - base, mul_add(error_w4, d4, mul_add(error_w3, d3, error_w2 * d2))));
     const Pack scaled = estimate / mul_add(relative, max(abs(before), abs(after)), absolute);
     sum->add(lanes.or_zero(scaled * scaled));
     lanes.store(after, g + i);
@@ -112,8 +111,7 @@ struct Rock4::Finish {
 
  private:
   /// The weights w with sum_{i<4} weights_i h k_i = sum_i w_i (x_{i+1} - g).
-  static std::array<double, 3> in_arguments(const std::array<std::array<double, 4>, 4>& a,
-                                            const std::array<double, 4>& weights) {
+  static std::array<double, 3> in_arguments(const std::array<std::array<double, 4>, 4>& a, const std::array<double, 4>& weights) {
     const double w4 = weights[2] / a[3][2];
     const double w3 = (weights[1] - w4 * a[3][1]) / a[2][1];
     const double w2 = (weights[0] - w4 * a[3][0] - w3 * a[2][0]) / a[1][0];
@@ -142,10 +140,9 @@ Rock4::Rock4(const Decomposition& decomposition, const DiffusionOperator& diffus
   };
   demand_positive(tolerances_.relative);
   if (tolerances_.relative < 1e-14) {
-    throw Error(ErrorKind::input,
-                fmt::format("diffusion_solver.tolerance: {} is below what double precision can meet; the least "
-                            "is 1e-14",
-                            tolerances_.relative));
+    throw Error(ErrorKind::input, fmt::format("diffusion_solver.tolerance: {} is below what double precision can meet; the least "
+                                              "is 1e-14",
+                                              tolerances_.relative));
   }
   if (tolerances_.absolute.size() != static_cast<std::size_t>(diffusion.n_species()))
     throw Error(ErrorKind::bug, "ROCK4 needs one absolute tolerance per species");
@@ -224,14 +221,12 @@ Field* Rock4::scratch(const Field& like) {
 void Rock4::prepare(std::span<const Transition> states, double t) {
   const Boundary& boundary = diffusion_->boundary();
   const Field& shape = *states.front().to;
-  if (shape.halo() < diffusion_->halo_width())
-    throw Error(ErrorKind::bug, "the halo is narrower than the diffusion stencil");
-  if (!scratch_.empty() &&
-      (scratch_.front().halo() != shape.halo() || scratch_.front().n_species() != shape.n_species()))
-    scratch_.clear();
+  if (shape.halo() < diffusion_->halo_width()) throw Error(ErrorKind::bug, "the halo is narrower than the diffusion stencil");
+  if (!scratch_.empty() && (scratch_.front().halo() != shape.halo() || scratch_.front().n_species() != shape.n_species())) scratch_.clear();
   // Alone, the stages of a pass need no halo but that of a stencil.
-  largest_depth_ = alone_ ? max_stages_
-                          : std::min(largest_halo_depth(*decomposition_, boundary, diffusion_->halo_width()), shape.halo() / diffusion_->halo_width());
+  largest_depth_ =
+      alone_ ? max_stages_
+             : std::min(largest_halo_depth(*decomposition_, boundary, diffusion_->halo_width()), shape.halo() / diffusion_->halo_width());
   if (asked_depth_ == 1) largest_depth_ = 1;
   scratch_used_ = 0;
   buffers_.assign(states.size(), {});
@@ -356,7 +351,8 @@ void Rock4::plan(const Rock4Coefficients& m, const Finish& finish, double t, dou
     stages_.push_back({.kind = Stage::euler, .input = u, .to = to, .time = time, .weight = weight});
   };
   const auto recur = [&](std::size_t u, std::size_t before, std::size_t to, double time, double weight, double kappa) {
-    stages_.push_back({.kind = Stage::recurrence, .input = u, .others = {before, none}, .to = to, .time = time, .weight = weight, .kappa = kappa});
+    stages_.push_back(
+        {.kind = Stage::recurrence, .input = u, .others = {before, none}, .to = to, .time = time, .weight = weight, .kappa = kappa});
   };
   std::size_t g = 1;
   std::size_t other = start;
@@ -372,7 +368,8 @@ void Rock4::plan(const Rock4Coefficients& m, const Finish& finish, double t, dou
   const std::size_t x4 = 4;
   euler(g, x2, t + m.c[0] * h, h * m.a[1][0]);
   recur(x2, g, x3, t + m.c[1] * h, h * m.a[2][1], 1.0 - finish.x3_x2);
-  stages_.push_back({.kind = Stage::last_argument, .input = x3, .others = {g, x2}, .to = x4, .time = t + m.c[2] * h, .weight = h * m.a[3][2]});
+  stages_.push_back(
+      {.kind = Stage::last_argument, .input = x3, .others = {g, x2}, .to = x4, .time = t + m.c[2] * h, .weight = h * m.a[3][2]});
   stages_.push_back({.kind = Stage::solution, .input = x4, .others = {x2, x3}, .to = g, .time = t + m.c[3] * h, .weight = h * m.b[3]});
   result_ = g;
 }
@@ -545,8 +542,7 @@ std::optional<CellFailure> Rock4::advance(double t, double dt, std::span<const T
     ++work.diffusion_steps;
     elapsed = steps_left == 1.0 ? dt : elapsed + h;
     const bool first = last_h == 0.0;
-    if (!first && !just_rejected)
-      factor = std::min(factor, factor * (h / last_h) * std::sqrt(std::sqrt(last_error / bounded)));
+    if (!first && !just_rejected) factor = std::min(factor, factor * (h / last_h) * std::sqrt(std::sqrt(last_error / bounded)));
     const double growth = first ? 5.0 : 2.0;
     // A step shortened to meet the end says nothing against the longer one planned.
     const double ceiling = just_rejected ? h : std::max(growth * h, planned);
@@ -561,8 +557,7 @@ std::optional<CellFailure> Rock4::advance(double t, double dt, std::span<const T
   return std::nullopt;
 }
 
-std::optional<CellFailure> Rock4::fail(std::span<const Transition> states, double t, double dt, double h,
-                                       const char* reason) {
+std::optional<CellFailure> Rock4::fail(std::span<const Transition> states, double t, double dt, double h, const char* reason) {
   // Species that do not diffuse are where they always were, the others where the step began.
   const auto value = [&](std::size_t k, int s, int i, int j) {
     return (diffusion_->coefficient(s) > 0.0 ? *buffers_[k][start] : *states[k].from).at(s, i, j);

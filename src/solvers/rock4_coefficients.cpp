@@ -226,9 +226,7 @@ void finishing_procedure(const Trees& alpha, Rock4Coefficients& m) {
   const double y4 = 0.75 * m0;
   const double y2 = -(n3 * m3 - n1 * n2 + y4 * (n0 * n2 - n3 * m2)) / (n0 * n1 - n3 * m2 + y4 * (n3 * m1 - n0 * n0));
 
-  const auto weight = [&](double yi, double yj, double yk) {
-    return (m3 - (yj + yk) * m2 + yj * yk * m1) / (yi * (yi - yj) * (yi - yk));
-  };
+  const auto weight = [&](double yi, double yj, double yk) { return (m3 - (yj + yk) * m2 + yj * yk * m1) / (yi * (yi - yj) * (yi - yk)); };
   const double b2 = weight(y2, y3, y4);
   const double b3 = weight(y3, y2, y4);
   const double b4 = weight(y4, y2, y3);
@@ -249,8 +247,7 @@ void finishing_procedure(const Trees& alpha, Rock4Coefficients& m) {
   m.c = {c1, c1 + y2, c1 + y3, c1 + y4};
 
   // The estimate vanishes on the four trees of order <= 3; d_i is the weight of [tau] in the argument of k_i.
-  const Vector4 d{alpha[1], alpha[1] + c1 * y2, alpha[1] + c1 * y3 + a32 * y2,
-                  alpha[1] + c1 * y4 + a42 * y2 + a43 * y3};
+  const Vector4 d{alpha[1], alpha[1] + c1 * y2, alpha[1] + c1 * y3 + a32 * y2, alpha[1] + c1 * y4 + a42 * y2 + a43 * y3};
   Matrix4 conditions;
   for (std::size_t i = 0; i < 4; ++i) {
     conditions[0][i] = 1.0;
@@ -266,16 +263,14 @@ void finishing_procedure(const Trees& alpha, Rock4Coefficients& m) {
 }  // namespace
 
 Rock4Coefficients rock4_coefficients(int stages) {
-  if (stages < rock4_min_stages)
-    throw Error(ErrorKind::bug, fmt::format("ROCK4 has at least {} stages, not {}", rock4_min_stages, stages));
+  if (stages < rock4_min_stages) throw Error(ErrorKind::bug, fmt::format("ROCK4 has at least {} stages, not {}", rock4_min_stages, stages));
   const int n = stages - 4;
   const Recurrence r = solve_order_conditions(interval_map(stages), n);
   Rock4Coefficients m;
   m.stages = stages;
   m.ct.assign(static_cast<std::size_t>(n) + 1, 0.0);
   m.ct[1] = r.mu[0];
-  for (std::size_t j = 2; j < m.ct.size(); ++j)
-    m.ct[j] = r.mu[j - 1] + r.nu[j - 1] * m.ct[j - 1] + r.kappa[j - 1] * m.ct[j - 2];
+  for (std::size_t j = 2; j < m.ct.size(); ++j) m.ct[j] = r.mu[j - 1] + r.nu[j - 1] * m.ct[j - 1] + r.kappa[j - 1] * m.ct[j - 2];
   finishing_procedure(weights_of_recurrence(r), m);
   m.mu = r.mu;
   m.nu = r.nu;

@@ -10,15 +10,24 @@ namespace stiffront {
 template <class Result, class F>
 Result for_species_count(int n, F&& f) {
   switch (n) {
-    case 1: return f.template operator()<1>();
-    case 2: return f.template operator()<2>();
-    case 3: return f.template operator()<3>();
-    case 4: return f.template operator()<4>();
-    case 5: return f.template operator()<5>();
-    case 6: return f.template operator()<6>();
-    case 7: return f.template operator()<7>();
-    case 8: return f.template operator()<8>();
-    default: throw Error(ErrorKind::input, fmt::format("an implicit solver for {} species is not available; 8 is the most", n));
+    case 1:
+      return f.template operator()<1>();
+    case 2:
+      return f.template operator()<2>();
+    case 3:
+      return f.template operator()<3>();
+    case 4:
+      return f.template operator()<4>();
+    case 5:
+      return f.template operator()<5>();
+    case 6:
+      return f.template operator()<6>();
+    case 7:
+      return f.template operator()<7>();
+    case 8:
+      return f.template operator()<8>();
+    default:
+      throw Error(ErrorKind::input, fmt::format("an implicit solver for {} species is not available; 8 is the most", n));
   }
 }
 

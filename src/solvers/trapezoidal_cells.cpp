@@ -70,7 +70,8 @@ class TrapezoidalCells final : public ReactionSolver {
       bool converged = true;
       for (int r = 0; r < m; ++r) {
         value[r] += change[r];
-        converged = converged && std::abs(change[r]) <= tolerances_.absolute[static_cast<std::size_t>(r)] + tolerances_.relative * std::abs(value[r]);
+        converged = converged &&
+                    std::abs(change[r]) <= tolerances_.absolute[static_cast<std::size_t>(r)] + tolerances_.relative * std::abs(value[r]);
       }
       if (converged) return true;
     }

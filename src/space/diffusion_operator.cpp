@@ -35,7 +35,8 @@ DiffusionOperator::DiffusionOperator(const Grid& grid, const Boundary& boundary,
     for (int which = 0; which < 2 && d < dimension_; ++which) {
       const bool closed = order == 8 && boundary.side(d, which).kind == BoundaryKind::dirichlet;
       if (grid.sub_cell[k][static_cast<std::size_t>(which)] != closed) {
-        throw Error(ErrorKind::input, "space.order: differences of order 8, and they alone, need a grid with sub-cells at its Dirichlet sides");
+        throw Error(ErrorKind::input,
+                    "space.order: differences of order 8, and they alone, need a grid with sub-cells at its Dirichlet sides");
       }
     }
     if (grid.has_sub_cells(d) && grid.uniform_points(d) < fewest_uniform_points_with_sub_cells) {
@@ -85,10 +86,11 @@ void DiffusionOperator::apply_of_order_8(const Field& u, Field& du, int s, const
     const int from_lower = ends_y.row_from_lower(j);
     const int from_upper = ends_y.row_from_upper(j, u.n_y());
     for_each_pack(box.i_begin, box.i_end, [&](int i, int n) {
-      const Pack along_y = from_lower + from_upper > 0
-                               ? closed_difference<Pack>(weights, from_lower + from_upper,
-                                                         [&](int k) { return Pack::load(u.row(s, from_lower > 0 ? k : u.n_y() - 1 - k) + i); })
-                               : second_difference_of_order_8(in + i, u.row_stride(), Pack::load(in + i));
+      const Pack along_y =
+          from_lower + from_upper > 0
+              ? closed_difference<Pack>(weights, from_lower + from_upper,
+                                        [&](int k) { return Pack::load(u.row(s, from_lower > 0 ? k : u.n_y() - 1 - k) + i); })
+              : second_difference_of_order_8(in + i, u.row_stride(), Pack::load(in + i));
       (Pack::load_partial(out + i, n) + Pack(k_y(s)) * along_y).store_partial(out + i, n);
     });
   }

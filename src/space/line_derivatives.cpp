@@ -31,9 +31,14 @@ void LineDerivatives::first(const Field& u, Field& u_x, const FreeBox& box) cons
   const double factor = 1.0 / spacing_;
   const auto apply = [&](auto centred) { differentiate(u, u_x, box, factor, true, weights, centred); };
   switch (order_) {
-    case 2: apply([](const double* p) { return first_difference<2>(p); }); break;
-    case 4: apply([](const double* p) { return first_difference<4>(p); }); break;
-    default: apply([](const double* p) { return first_difference<8>(p); });
+    case 2:
+      apply([](const double* p) { return first_difference<2>(p); });
+      break;
+    case 4:
+      apply([](const double* p) { return first_difference<4>(p); });
+      break;
+    default:
+      apply([](const double* p) { return first_difference<8>(p); });
   }
 }
 
@@ -42,9 +47,14 @@ void LineDerivatives::second(const Field& u, Field& u_xx, const FreeBox& box) co
   const double factor = 1.0 / (spacing_ * spacing_);
   const auto apply = [&](auto centred) { differentiate(u, u_xx, box, factor, false, weights, centred); };
   switch (order_) {
-    case 2: apply([](const double* p) { return second_difference<2>(p, 1, Pack::load(p)); }); break;
-    case 4: apply([](const double* p) { return second_difference<4>(p, 1, Pack::load(p)); }); break;
-    default: apply([](const double* p) { return second_difference_of_order_8(p, 1, Pack::load(p)); });
+    case 2:
+      apply([](const double* p) { return second_difference<2>(p, 1, Pack::load(p)); });
+      break;
+    case 4:
+      apply([](const double* p) { return second_difference<4>(p, 1, Pack::load(p)); });
+      break;
+    default:
+      apply([](const double* p) { return second_difference_of_order_8(p, 1, Pack::load(p)); });
   }
 }
 

@@ -56,7 +56,8 @@ std::vector<std::vector<std::int32_t>> choose_packs(std::span<const float> pack_
   std::vector<bool> taken(order.size(), false);
   // Half a pack too much is as good as half a pack too little; the cheapest packs meet the amount, not the expensive ones.
   double slack = 0.0;
-  for (std::size_t n = order.size(); n-- > 0 && slack == 0.0;) slack = 0.5 * static_cast<double>(pack_work[static_cast<std::size_t>(order[n])]);
+  for (std::size_t n = order.size(); n-- > 0 && slack == 0.0;)
+    slack = 0.5 * static_cast<double>(pack_work[static_cast<std::size_t>(order[n])]);
   std::size_t first = 0;  // everything before it is taken
   for (std::size_t k = 0; k < amounts.size(); ++k) {
     auto rest = static_cast<double>(amounts[k]);

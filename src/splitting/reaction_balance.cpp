@@ -30,7 +30,9 @@ constexpr int length_of_pack(int n_species) { return there_and_back(n_species) +
 constexpr int packs_per_box = 64;
 
 constexpr std::size_t whole_lines(std::size_t bytes) { return (bytes + alignof(Turn) - 1) / alignof(Turn) * alignof(Turn); }
-constexpr std::size_t bytes_of_box(int n_species) { return whole_lines(sizeof(double) * packs_per_box * static_cast<std::size_t>(length_of_pack(n_species))); }
+constexpr std::size_t bytes_of_box(int n_species) {
+  return whole_lines(sizeof(double) * packs_per_box * static_cast<std::size_t>(length_of_pack(n_species)));
+}
 
 double packed_place(std::int64_t cell, int n) { return std::bit_cast<double>(cell * 16 + n); }
 
@@ -164,9 +166,9 @@ void ReactionBalance::send(const Pattern& pattern, const Field& from, const std:
     check_mpi(MPI_Irecv(parcel.back.data(), static_cast<int>(length), MPI_DOUBLE, parcel.rank, cells_back, group_.get(), &requests_.back()),
               "MPI_Irecv");
     requests_.emplace_back();
-    check_mpi(MPI_Isend(parcel.there.data(), static_cast<int>(length), MPI_DOUBLE, parcel.rank, cells_there, group_.get(),
-                        &requests_.back()),
-              "MPI_Isend");
+    check_mpi(
+        MPI_Isend(parcel.there.data(), static_cast<int>(length), MPI_DOUBLE, parcel.rank, cells_there, group_.get(), &requests_.back()),
+        "MPI_Isend");
   }
 }
 

@@ -93,7 +93,8 @@ TEST_P(Allocation, NoneIsMadeInTheStepsOfARunUnderWay) {
 INSTANTIATE_TEST_SUITE_P(Methods, Allocation,
                          ::testing::Values(Run{"sbdf", {"method={ name = \"sbdf\" }", "time.end=0.05"}},
                                            Run{"strang", {"method={ name = \"strang\", step = 1e-3 }", "time.end=0.06"}},
-                                           Run{"adaptive_strang", {"method={ name = \"adaptive-strang\", tolerance = 1e-4 }", "time.end=0.02"}},
+                                           Run{"adaptive_strang",
+                                               {"method={ name = \"adaptive-strang\", tolerance = 1e-4 }", "time.end=0.02"}},
                                            Run{"dcs", {"method={ name = \"dcs\", tolerance = 1e-5 }", "time.end=0.02"}}),
                          [](const auto& info) { return info.param.name; });
 

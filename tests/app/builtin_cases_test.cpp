@@ -65,8 +65,7 @@ TEST(CaseSource, WhatCannotBeReadIsExplained) {
     }
     return "no error";
   };
-  EXPECT_EQ(message_of("bz-1e").substr(0, 78),
-            "bz-1e: No such file or directory; did you mean bz-1d? Allowed built-in cases: ");
+  EXPECT_EQ(message_of("bz-1e").substr(0, 78), "bz-1e: No such file or directory; did you mean bz-1d? Allowed built-in cases: ");
   EXPECT_EQ(message_of("/"), "/: Is a directory");
 }
 

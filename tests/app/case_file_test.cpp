@@ -101,12 +101,10 @@ TEST(CaseFile, MethodsFillInWhatDependsOnOtherKeys) {
   EXPECT_EQ(std::get<SdcOptions>(method(R"({name = "sdc", step = 1e-3, nodes = "gauss-lobatto"})")).corrections, 4);
   const auto sbdf = std::get<SbdfOptions>(method(R"({name = "sbdf", relative_tolerance = 1e-6})"));
   EXPECT_EQ(sbdf.absolute_tolerance, Tolerance(1e-6 / 100.0));
-  const auto cvode =
-      std::get<CvodeOptions>(method(R"({name = "cvode", absolute_tolerance = { c = 3e-9, a = 1e-6, b = 2e-8 }})"));
+  const auto cvode = std::get<CvodeOptions>(method(R"({name = "cvode", absolute_tolerance = { c = 3e-9, a = 1e-6, b = 2e-8 }})"));
   EXPECT_EQ(cvode.absolute_tolerance, Tolerance(NamedList<double>{{"a", 1e-6}, {"b", 2e-8}, {"c", 3e-9}}));
   EXPECT_EQ(cvode.linear_solver, LinearSolver::gmres);
-  EXPECT_EQ(std::get<CvodeOptions>(method(R"({name = "cvode"})", {"grid.points=[9, 9]"})).linear_solver,
-            LinearSolver::gmres);
+  EXPECT_EQ(std::get<CvodeOptions>(method(R"({name = "cvode"})", {"grid.points=[9, 9]"})).linear_solver, LinearSolver::gmres);
 }
 
 TEST(CaseFile, ConvergeGivesTheStepItStudies) {
@@ -116,14 +114,11 @@ TEST(CaseFile, ConvergeGivesTheStepItStudies) {
   EXPECT_EQ(c.converge->iterations, std::vector<int>{4});
   EXPECT_EQ(c.converge->reference.method, "cvode");
   EXPECT_EQ(c.converge->reference.tolerance, 1e-12);
-  EXPECT_EQ(
-      std::get<LieOptions>(parse_example({"converge.steps=[2e-2, 1e-2]", R"(method={name = "lie"})"}).method).step,
-      2e-2);
+  EXPECT_EQ(std::get<LieOptions>(parse_example({"converge.steps=[2e-2, 1e-2]", R"(method={name = "lie"})"}).method).step, 2e-2);
 }
 
 TEST(Override, ReplacesAddsAndMakesTables) {
-  const Case c =
-      parse_example({"time.end=0.5", "output.checkpoint.keep=7", "grid.points=[41]", "model.parameters.q=1e-3"});
+  const Case c = parse_example({"time.end=0.5", "output.checkpoint.keep=7", "grid.points=[41]", "model.parameters.q=1e-3"});
   EXPECT_EQ(c.time.end, 0.5);
   EXPECT_EQ(c.output.checkpoint.keep, 7);
   EXPECT_EQ(c.grid.points, std::vector<std::int64_t>{41});
@@ -145,8 +140,7 @@ TEST(Override, WhatIsNoTomlIsText) {
   EXPECT_EQ(parse_example({"limits.wall_time=3h50m"}).limits.wall_time, 13800.0);
   EXPECT_EQ(parse_example({"output.directory=/tmp/a=b"}).output.directory, "/tmp/a=b");
   const std::vector<std::string> expressions = {"initial={ a = \"exp(-x^2)\", b = 0 }", "initial.c=if(x < 0.5, 1, 0)"};
-  EXPECT_EQ(parse_example(expressions).initial.expressions,
-            (NamedList<Value>{{"a", "exp(-x^2)"}, {"b", 0.0}, {"c", "if(x < 0.5, 1, 0)"}}));
+  EXPECT_EQ(parse_example(expressions).initial.expressions, (NamedList<Value>{{"a", "exp(-x^2)"}, {"b", 0.0}, {"c", "if(x < 0.5, 1, 0)"}}));
 }
 
 std::string every_option_text(const std::string& method) {
@@ -198,27 +192,18 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Named{"example", example_text, {}}, Named{"custom", custom_text, {}}, Named{"network", network_text, {}},
         Named{"lie", every_option_text("[method]\nname = \"lie\"\nstep = 1e-3\norder = \"diffusion-last\""), {}},
-        Named{"strang",
-              every_option_text("[method]\nname = \"strang\"\nstep = 0.1"),
-              {"time.restart_step={period=1, step=1e-9}"}},
+        Named{"strang", every_option_text("[method]\nname = \"strang\"\nstep = 0.1"), {"time.restart_step={period=1, step=1e-9}"}},
         Named{"adaptive_strang",
-              every_option_text(
-                  "[method]\nname = \"adaptive-strang\"\nspecies = [\"v\"]\nbeta = 0.3\ncritical_step = false"),
+              every_option_text("[method]\nname = \"adaptive-strang\"\nspecies = [\"v\"]\nbeta = 0.3\ncritical_step = false"),
               {}},
-        Named{"dcs",
-              every_option_text("[method]\nname = \"dcs\"\ntolerance = 1e-7\nstep_rule = \"min\"\npredict = false"),
-              {}},
+        Named{"dcs", every_option_text("[method]\nname = \"dcs\"\ntolerance = 1e-7\nstep_rule = \"min\"\npredict = false"), {}},
         Named{"dcs_fixed", every_option_text("[method]\nname = \"dcs\"\nstep = 1e-4\niterations = 2\nstages = 5"), {}},
         Named{"sdc",
               every_option_text("[method]\nname = \"sdc\"\nstep = 1e-4\nnodes = \"gauss-lobatto\"\nconsistent = false"),
               {"reaction_solver.positivity=report"}},
-        Named{"sbdf",
-              every_option_text("[method]\nname = \"sbdf\"\nabsolute_tolerance = {v = 1e-9, u = 1e-3}\nmax_order = 2"),
-              {}},
-        Named{"cvode", every_option_text("[method]\nname = \"cvode\"\nlinear_solver = \"band\""),
-              {"reaction_solver.positivity=report"}},
-        Named{
-            "auto", every_option_text("[method]\nname = \"auto\"\ntolerance = 1e-3"), {"time.breakpoints=[0.5, 1.0]"}},
+        Named{"sbdf", every_option_text("[method]\nname = \"sbdf\"\nabsolute_tolerance = {v = 1e-9, u = 1e-3}\nmax_order = 2"), {}},
+        Named{"cvode", every_option_text("[method]\nname = \"cvode\"\nlinear_solver = \"band\""), {"reaction_solver.positivity=report"}},
+        Named{"auto", every_option_text("[method]\nname = \"auto\"\ntolerance = 1e-3"), {"time.breakpoints=[0.5, 1.0]"}},
         Named{"converge",
               every_option_text("[method]\nname = \"dcs\""),
               {"converge.steps=[0.1, 0.05]", "converge.iterations=[0, 1]", "converge.kind=local",
@@ -231,10 +216,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(CaseFile, DifferentOptionsAreSeenAsDifferent) {
   EXPECT_TRUE(parse_example().same_options(parse_example()));
-  for (const char* change :
-       {"title=B", "grid.points=[102]", "boundary.x=periodic", "space.order=4", "model.parameters.q=1e-9",
-        "initial.profile=bz-ignition", "time.end=3", "method.tolerance=1e-6", "diffusion_solver.tolerance=1e-6",
-        "reaction_solver.tolerance=1e-6", "output.checkpoint.at_end=true", "limits.max_steps=5"}) {
+  for (const char* change : {"title=B", "grid.points=[102]", "boundary.x=periodic", "space.order=4", "model.parameters.q=1e-9",
+                             "initial.profile=bz-ignition", "time.end=3", "method.tolerance=1e-6", "diffusion_solver.tolerance=1e-6",
+                             "reaction_solver.tolerance=1e-6", "output.checkpoint.at_end=true", "limits.max_steps=5"}) {
     EXPECT_FALSE(parse_example().same_options(parse_example({change}))) << change;
   }
 }

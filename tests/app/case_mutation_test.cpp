@@ -56,8 +56,7 @@ const std::vector<std::string> fragments = {"[",
 TEST(CaseMutation, AnyTextIsReadOrRefusedInOneLine) {
   int read = 0;
   int refused = 0;
-  const std::vector<std::string> starts = {example_text, custom_text, network_text,
-                                           effective_configuration(parse_example())};
+  const std::vector<std::string> starts = {example_text, custom_text, network_text, effective_configuration(parse_example())};
   for (std::uint64_t seed = 0; seed < testing::mutation_rounds(2000); ++seed) {
     testing::Mutation mutation(seed);
     const std::string text = mutation.of(starts[seed % starts.size()], fragments);
@@ -93,8 +92,7 @@ TEST(CaseMutation, AnyTextCloseToABuiltinCaseIsReadOrRefusedInOneLine) {
 }
 
 TEST(CaseMutation, AnyOverrideIsReadOrRefusedInOneLine) {
-  const std::vector<std::string> starts = {"time.end=0.5", "grid.points=[33, 44]",
-                                           "method={ name = \"dcs\", step = 1e-3 }",
+  const std::vector<std::string> starts = {"time.end=0.5", "grid.points=[33, 44]", "method={ name = \"dcs\", step = 1e-3 }",
                                            "boundary.x={ type = \"dirichlet\", a = \"sin(t)\" }", "title=two words"};
   for (std::uint64_t seed = 0; seed < testing::mutation_rounds(2000); ++seed) {
     testing::Mutation mutation(seed);
@@ -102,8 +100,7 @@ TEST(CaseMutation, AnyOverrideIsReadOrRefusedInOneLine) {
     try {
       parse_example({override});
     } catch (const Error& error) {
-      EXPECT_TRUE(error.kind() == ErrorKind::input || error.kind() == ErrorKind::usage)
-          << "seed " << seed << ": " << error.what();
+      EXPECT_TRUE(error.kind() == ErrorKind::input || error.kind() == ErrorKind::usage) << "seed " << seed << ": " << error.what();
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "seed " << seed << ": " << error.what();
     }
   }

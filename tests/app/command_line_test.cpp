@@ -30,12 +30,11 @@ std::string message_of(const std::vector<const char*>& words) {
 }
 
 TEST(CommandLine, RunTakesACaseOverridesAndOptionsInAnyOrder) {
-  const auto run =
-      std::get<RunCommand>(parse({"run", "-o", "my out", "bz.toml", "time.end=0.5", "--force", "grid.points=[5, 6]",
-                                  "--quiet", "--restart", "latest", "--progress", "never", "time.start=-1"}));
+  const auto run = std::get<RunCommand>(parse({"run", "-o", "my out", "bz.toml", "time.end=0.5", "--force", "grid.points=[5, 6]", "--quiet",
+                                               "--restart", "latest", "--progress", "never", "time.start=-1"}));
   EXPECT_EQ(run.source.file, "bz.toml");
-  EXPECT_EQ(run.source.overrides, (std::vector<std::string>{"time.end=0.5", "grid.points=[5, 6]", "time.start=-1",
-                                                            "output.directory=\"my out\""}));
+  EXPECT_EQ(run.source.overrides,
+            (std::vector<std::string>{"time.end=0.5", "grid.points=[5, 6]", "time.start=-1", "output.directory=\"my out\""}));
   EXPECT_TRUE(run.run.force);
   EXPECT_TRUE(run.run.quiet);
   EXPECT_EQ(run.run.restart, "latest");
@@ -52,10 +51,9 @@ TEST(CommandLine, RunHasDefaults) {
 }
 
 TEST(CommandLine, ValuesWithSpacesAndBracketsStayWhole) {
-  const auto check = std::get<CheckCommand>(
-      parse({"check", "bz.toml", "initial.a=exp(-x^2) + 1", "title=[a, b]", "model.parameters={ q = 1 }"}));
-  EXPECT_EQ(check.source.overrides,
-            (std::vector<std::string>{"initial.a=exp(-x^2) + 1", "title=[a, b]", "model.parameters={ q = 1 }"}));
+  const auto check =
+      std::get<CheckCommand>(parse({"check", "bz.toml", "initial.a=exp(-x^2) + 1", "title=[a, b]", "model.parameters={ q = 1 }"}));
+  EXPECT_EQ(check.source.overrides, (std::vector<std::string>{"initial.a=exp(-x^2) + 1", "title=[a, b]", "model.parameters={ q = 1 }"}));
 }
 
 TEST(CommandLine, OtherCommandsHaveTheirArguments) {
@@ -97,15 +95,12 @@ TEST(CommandLine, HelpAndVersionAreAnswered) {
 TEST(CommandLine, MistakesAreExplained) {
   const std::string commands = "run, check, converge, stability, list, case, info, plot, report";
   EXPECT_EQ(message_of({}), "no command given; commands: " + commands + "; see stiffront --help");
-  EXPECT_EQ(message_of({"rnu"}),
-            "unknown command rnu; did you mean run? Allowed commands: " + commands + "; see stiffront --help");
+  EXPECT_EQ(message_of({"rnu"}), "unknown command rnu; did you mean run? Allowed commands: " + commands + "; see stiffront --help");
   EXPECT_EQ(message_of({"xyzzy"}), "unknown command xyzzy; allowed commands: " + commands + "; see stiffront --help");
   EXPECT_EQ(message_of({"--frobnicate"}), "unexpected argument --frobnicate; see stiffront --help");
   EXPECT_EQ(message_of({"run"}), "CASE.toml is required; see stiffront run --help");
-  EXPECT_EQ(message_of({"run", "a.toml", "--forse"}),
-            "unexpected argument --forse; did you mean --force?; see stiffront run --help");
-  EXPECT_EQ(message_of({"run", "a.toml", "--progress", "maybe"}),
-            "--progress: maybe not in {auto,always,never}; see stiffront run --help");
+  EXPECT_EQ(message_of({"run", "a.toml", "--forse"}), "unexpected argument --forse; did you mean --force?; see stiffront run --help");
+  EXPECT_EQ(message_of({"run", "a.toml", "--progress", "maybe"}), "--progress: maybe not in {auto,always,never}; see stiffront run --help");
   EXPECT_EQ(message_of({"run", "a.toml", "-o"}), "--output: 1 required DIR missing; see stiffront run --help");
   EXPECT_EQ(message_of({"list", "modls"}), "WHAT: modls not in {cases,models,methods}; see stiffront list --help");
   EXPECT_EQ(message_of({"case", "a", "b"}), "unexpected argument b; see stiffront case --help");

@@ -24,8 +24,9 @@ namespace {
 
 /// The part of the time span that is run.
 double window(const std::string& name) {
-  static const std::map<std::string, double> parts{{"bz-1d", 0.05},       {"bz-1d-long", 0.005},        {"bz-2d-spiral", 0.01}, {"discharge-1d", 0.0009},
-                                                   {"gray-scott-1d", 0.05}, {"slaved-oscillator-1d", 0.02}, {"pulse-1d", 0.5},      {"ignition-1d", 0.3}};
+  static const std::map<std::string, double> parts{{"bz-1d", 0.05},          {"bz-1d-long", 0.005},   {"bz-2d-spiral", 0.01},
+                                                   {"discharge-1d", 0.0009}, {"gray-scott-1d", 0.05}, {"slaved-oscillator-1d", 0.02},
+                                                   {"pulse-1d", 0.5},        {"ignition-1d", 0.3}};
   const auto found = parts.find(name);
   return found == parts.end() ? 0.02 : found->second;
 }
@@ -103,7 +104,8 @@ TEST_P(DcsCampaign, KeepsEveryTolerance) {
   for (double tolerance : {1e-2, 1e-4, 1e-6, 1e-9, 1e-12}) {
     const Outcome r = solve(fmt::format("{{name=\"dcs\", tolerance={:e}}}", tolerance));
     EXPECT_EQ(r.failure, "") << tested().name << " " << tolerance;
-    EXPECT_LT(error(r, reference), 10.0 * tolerance * std::sqrt(static_cast<double>(r.progress.accepted)) + 1e-5) << tested().name << " " << tolerance;
+    EXPECT_LT(error(r, reference), 10.0 * tolerance * std::sqrt(static_cast<double>(r.progress.accepted)) + 1e-5)
+        << tested().name << " " << tolerance;
   }
 }
 
@@ -117,7 +119,8 @@ TEST_P(DcsCampaign, FixedStepsAreSolvedOrRefusedWithTheLimit) {
       if (r.failure.empty()) {
         EXPECT_LT(error(r, reference), 2.0) << tested().name << " k = " << k << ", " << n << " steps";
       } else {
-        EXPECT_NE(r.failure.find("limit of stability"), std::string::npos) << tested().name << " k = " << k << ", " << n << " steps: " << r.failure;
+        EXPECT_NE(r.failure.find("limit of stability"), std::string::npos)
+            << tested().name << " k = " << k << ", " << n << " steps: " << r.failure;
       }
     }
   }
@@ -132,18 +135,18 @@ std::vector<int> cases_for_dcs() {
     const BuiltinCase& each = builtin_cases()[i];
     const Case c = parse_case({std::string(each.name), std::string(each.text), {}}, models.descriptions());
     const auto known = models.descriptions();
-    const bool refused = std::any_of(known.begin(), known.end(), [&](const ModelDescription& m) { return m.name == c.model.name && m.has_transport; });
+    const bool refused =
+        std::any_of(known.begin(), known.end(), [&](const ModelDescription& m) { return m.name == c.model.name && m.has_transport; });
     if (!refused) indices.push_back(static_cast<int>(i));
   }
   return indices;
 }
 
-INSTANTIATE_TEST_SUITE_P(BuiltinCases, DcsCampaign, ::testing::ValuesIn(cases_for_dcs()),
-                         [](const ::testing::TestParamInfo<int>& i) {
-                           std::string name(builtin_cases()[static_cast<std::size_t>(i.param)].name);
-                           for (char& letter : name) letter = letter == '-' ? '_' : letter;
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(BuiltinCases, DcsCampaign, ::testing::ValuesIn(cases_for_dcs()), [](const ::testing::TestParamInfo<int>& i) {
+  std::string name(builtin_cases()[static_cast<std::size_t>(i.param)].name);
+  for (char& letter : name) letter = letter == '-' ? '_' : letter;
+  return name;
+});
 
 }  // namespace
 }  // namespace stiffront::app

@@ -15,7 +15,6 @@
 namespace stiffront::app {
 namespace {
 
-
 bool says(const std::vector<std::string>& lines, const std::string& part) {
   return std::any_of(lines.begin(), lines.end(), [&part](const std::string& line) { return line.find(part) != std::string::npos; });
 }
@@ -66,7 +65,7 @@ name = "sbdf"
 
 TEST(Guidance, SaysWhereRatesAreNotFinite) {
   EXPECT_TRUE(says(guidance_of({"model.reaction.u=1/(x - 0.25)", "grid.points=[5, 9]"}, custom_text),
-              "warning: the rates or their derivatives are not finite in the initial state at x = 0.25, y = 0"));
+                   "warning: the rates or their derivatives are not finite in the initial state at x = 0.25, y = 0"));
 }
 
 TEST(Guidance, EveryBuiltInCaseIsLookedAtWithoutAComplaintThatItsStepsFail) {
@@ -91,7 +90,7 @@ TEST(Guidance, WarnsOfErrorControlThatControlsLessThanItSeems) {
   EXPECT_TRUE(says(questions_of({"boundary.x_lower={ type = \"dirichlet\", a = 1 }"}, example_text), "loses an order"));
   EXPECT_TRUE(questions_of({"boundary.x_lower={ type = \"dirichlet\", a = 1 }", "method={ name = \"sbdf\" }"}, example_text).empty());
   EXPECT_TRUE(says(guidance_of({"method={ name = \"sbdf\", absolute_tolerance = { a = 1e-6, b = 1e-6, c = 10 } }"}, example_text),
-              "method.absolute_tolerance: c = 10"));
+                   "method.absolute_tolerance: c = 10"));
 }
 
 TEST(Guidance, QuestionsRatesThatJumpAndParametersThatNothingUses) {
@@ -185,8 +184,9 @@ TEST(Advice, NamesWhatStandsOut) {
   summary.negatives = 3;
   summary.wall_seconds = {{"communication", 9.0}, {"output", 12.0}, {"total", 20.0}};
   const std::vector<std::string> lines = advice(c, summary, errors, {{0.5, 0.0, 0.0}, 0.0});
-  for (const char* part : {"sum over 100 steps 0.0005", "miss 50 % of the diffusion of a", "far above the one in time", "33 % of the attempts were rejected",
-                           "critical splitting step", "imbalance 1.50", "output took long", "waiting for other ranks", "3 states held negative"}) {
+  for (const char* part :
+       {"sum over 100 steps 0.0005", "miss 50 % of the diffusion of a", "far above the one in time", "33 % of the attempts were rejected",
+        "critical splitting step", "imbalance 1.50", "output took long", "waiting for other ranks", "3 states held negative"}) {
     EXPECT_TRUE(says(lines, part));
   }
   summary.rejected = summary.negatives = 0;
@@ -212,7 +212,8 @@ TEST(Advice, SaysWhetherTheToleranceOfDcsIsFinerThanTheGridDeserves) {
   errors.add(accepted(5e-7, 0.1, 0.0));
   Summary summary;
   summary.accepted = 1;
-  EXPECT_TRUE(says(advice(c, summary, errors, {{1e-3, 0.0, 0.0}, 1e-4}), "finer than the grid deserves: in a step of 0.1 the error in space is about 1e-05"));
+  EXPECT_TRUE(says(advice(c, summary, errors, {{1e-3, 0.0, 0.0}, 1e-4}),
+                   "finer than the grid deserves: in a step of 0.1 the error in space is about 1e-05"));
   EXPECT_TRUE(says(advice(c, summary, errors, {{1e-3, 0.0, 0.0}, 1e-6}), "error in space of one step of 0.1: about 1e-07, below"));
 }
 

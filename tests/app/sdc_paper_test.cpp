@@ -51,13 +51,15 @@ struct Solution {
 
 /// From the case's initial state, or from the given one.
 /// @throws Error(numerics) if the method fails
-Solution solve(const std::string& name, const std::vector<std::string>& overrides, const std::vector<double>& times = {}, const State* from = nullptr) {
+Solution solve(const std::string& name, const std::vector<std::string>& overrides, const std::vector<double>& times = {},
+               const State* from = nullptr) {
   ModelRegistry models;
   register_builtin_models(models);
   const Communicator self(MPI_COMM_SELF);
   const Case c = parse_case(read_case_source(name, overrides), models.descriptions());
   Problem problem(c, models, self);
-  for (std::size_t s = 0; from != nullptr && s < from->size(); ++s) std::copy((*from)[s].begin(), (*from)[s].end(), problem.state.row(static_cast<int>(s), 0));
+  for (std::size_t s = 0; from != nullptr && s < from->size(); ++s)
+    std::copy((*from)[s].begin(), (*from)[s].end(), problem.state.row(static_cast<int>(s), 0));
   MethodStack stack(c, problem);
   Schedule schedule;
   schedule.start = c.time.start;
@@ -152,7 +154,8 @@ TEST(SdcPaperTest, TheBrusselatorsErrorsAndThoseOfStrangAreTheKnownOnes) {
   };
   const auto strang = [](double step) {
     return std::vector<std::string>{fmt::format("method={{name=\"strang\", step={}}}", step), "diffusion_solver.name=crank-nicolson",
-                                    "diffusion_solver.tolerance=1e-10", "reaction_solver.name=trapezoidal", "reaction_solver.tolerance=1e-10"};
+                                    "diffusion_solver.tolerance=1e-10", "reaction_solver.name=trapezoidal",
+                                    "reaction_solver.tolerance=1e-10"};
   };
   const auto coarse = run(50, {seventh(0.2)});
   EXPECT_NEAR(worst(coarse, 4, 0), 4.8e-4, 0.1e-4);
@@ -182,12 +185,13 @@ TEST(SdcPaperTest, TheBrusselatorsOrderInTimeIsSevenForSmoothData) {
   const auto expect_order = [&](const std::string& corrections, const std::vector<double>& steps, std::size_t first) {
     std::vector<std::vector<State>> solutions;
     for (double step : steps) {
-      solutions.push_back(run(fmt::format("method={{name=\"sdc\", node_count=4, starting_order=4, corrections={}, gamma_diffusion=2, step={}}}",
-                                          corrections, step)));
+      solutions.push_back(run(fmt::format(
+          "method={{name=\"sdc\", node_count=4, starting_order=4, corrections={}, gamma_diffusion=2, step={}}}", corrections, step)));
     }
     for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
       for (std::size_t s : {0UL, 1UL}) {
-        EXPECT_GE(std::log2(error_from(first, solutions[k], s) / error_from(first, solutions[k + 1], s)), 6.8) << corrections << " " << steps[k] << " " << s;
+        EXPECT_GE(std::log2(error_from(first, solutions[k], s) / error_from(first, solutions[k + 1], s)), 6.8)
+            << corrections << " " << steps[k] << " " << s;
       }
     }
   };
@@ -201,7 +205,8 @@ TEST(SdcPaperTest, TheFlameHasOrderFourWhileItIgnitesAndMoreWithAcceleratedCorre
   const auto run = [](double step, double end, const std::string& more, const State* from) {
     const std::string keys = "name=\"sdc\", node_count=4, starting_order=2, gamma_diffusion=2, gamma_advection=2";
     return solve("pulsating-flame-1d",
-                 {"grid.points=[801]", "grid.upper=[15]", fmt::format("time.end={}", end), fmt::format("method={{{}, step={}{}}}", keys, step, more)},
+                 {"grid.points=[801]", "grid.upper=[15]", fmt::format("time.end={}", end),
+                  fmt::format("method={{{}, step={}{}}}", keys, step, more)},
                  {}, from)
         .last;
   };
@@ -250,7 +255,8 @@ INSTANTIATE_TEST_SUITE_P(
     Models, TransportCase,
     ::testing::Values(std::pair{"angiogenesis-chemotaxis-1d", std::vector<std::string>{"grid.points=[81]", "time.end=0.01"}},
                       std::pair{"pulsating-flame-1d", std::vector<std::string>{"grid.points=[401]", "grid.upper=[15]", "time.end=0.01"}},
-                      std::pair{"reduced-pulsating-flame-1d", std::vector<std::string>{"grid.points=[401]", "grid.upper=[15]", "time.end=0.01"}}),
+                      std::pair{"reduced-pulsating-flame-1d",
+                                std::vector<std::string>{"grid.points=[401]", "grid.upper=[15]", "time.end=0.01"}}),
     [](const auto& info) {
       std::string name = info.param.first;
       std::replace(name.begin(), name.end(), '-', '_');

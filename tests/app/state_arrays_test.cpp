@@ -42,7 +42,8 @@ TEST_P(StateArrays, AreAsManyAsTheDocumentationSays) {
   ModelRegistry models;
   register_builtin_models(models);
   const Communicator comm(MPI_COMM_SELF);
-  const Case c = parse_case(read_case_source("bz-2d-spiral", {"grid.points=[96, 96]", GetParam().method, "time.end=5e-3"}), models.descriptions());
+  const Case c =
+      parse_case(read_case_source("bz-2d-spiral", {"grid.points=[96, 96]", GetParam().method, "time.end=5e-3"}), models.descriptions());
   arrays = 0;
   smallest_counted = 3 * 96 * 96 * sizeof(double);
   Problem problem(c, models, comm);

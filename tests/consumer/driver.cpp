@@ -26,8 +26,7 @@ struct Nagumo {
   }
 };
 
-inline constexpr std::array<stiffront::Parameter<Nagumo>, 2> Nagumo::parameters{
-    {{"k", &Nagumo::k}, {"a", &Nagumo::a}}};
+inline constexpr std::array<stiffront::Parameter<Nagumo>, 2> Nagumo::parameters{{{"k", &Nagumo::k}, {"a", &Nagumo::a}}};
 inline constexpr std::array<stiffront::Profile<Nagumo>, 0> Nagumo::profiles{};
 
 }  // namespace

@@ -16,9 +16,7 @@ double no_limit(int, double dt) { return dt; }
 /// Follows u' = lambda u: errors of the neighbouring orders are powers of the step.
 struct Exponential {
   double tolerance = 1e-6;
-  double error(int order, double dt) const {
-    return order < 1 || order > 5 ? 1e300 : std::pow(dt, order + 1) / (order + 1) / tolerance;
-  }
+  double error(int order, double dt) const { return order < 1 || order > 5 ? 1e300 : std::pow(dt, order + 1) / (order + 1) / tolerance; }
 };
 
 TEST(BdfControl, SettlesAtAThirdOfTheToleranceAndTheHighestOrderThatPays) {
@@ -84,8 +82,7 @@ TEST(BdfControl, NeverExceedsALimitFromOutside) {
   BdfControl control(5);
   double dt = 1.0;
   for (int n = 0; n < 60; ++n) {
-    dt = control.accepted(dt, {1e-9, 1e-9, 1e-9},
-                          [](int order, double wanted) { return std::min(wanted, 6.0 / order); });
+    dt = control.accepted(dt, {1e-9, 1e-9, 1e-9}, [](int order, double wanted) { return std::min(wanted, 6.0 / order); });
     EXPECT_LE(dt, 6.0 / control.order());
   }
 }

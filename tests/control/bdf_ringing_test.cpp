@@ -43,8 +43,7 @@ TEST(BdfRinging, IsNoneOfGrowingModesAndOfAccurateSteps) {
 
 TEST(BdfRinging, TheHighestQuietOrderFollowsTheModelsEigenvalues) {
   const Communicator self(MPI_COMM_SELF);
-  const DiffusionProblem p(self, unit_grid(9, 1),
-                           {both_sides(BoundaryKind::neumann, 3), both_sides(BoundaryKind::neumann, 3)},
+  const DiffusionProblem p(self, unit_grid(9, 1), {both_sides(BoundaryKind::neumann, 3), both_sides(BoundaryKind::neumann, 3)},
                            {0.1, 0.0, 0.0}, 2);
   const Field u = p.field([](int s, double x, double) { return s == 2 ? 0.0 : x; });
   const FreeBox box{0, 9, 0, 1};

@@ -56,7 +56,8 @@ TEST(Collocation, IntegratesPolynomialsUpToItsOrder) {
       for (int k = 0; k < m; ++k) {
         for (int p = 0; p < m; ++p) {
           double sum = 0.0;
-          for (int a = 0; a < m; ++a) sum += n.s[static_cast<std::size_t>(k)][static_cast<std::size_t>(a)] * std::pow(n.c[static_cast<std::size_t>(a)], p);
+          for (int a = 0; a < m; ++a)
+            sum += n.s[static_cast<std::size_t>(k)][static_cast<std::size_t>(a)] * std::pow(n.c[static_cast<std::size_t>(a)], p);
           EXPECT_NEAR(sum, std::pow(n.c[static_cast<std::size_t>(k)], p + 1) / (p + 1), 2e-15);
         }
       }

@@ -108,7 +108,8 @@ void for_all_rules(DeferredCorrectionOptions::StepRule rule, Compare&& compare) 
         published.exponent = DeferredCorrectionOptions::Exponent::published;
         const Model model{1.0, rate, strang ? 2.0 : 1.0};
         compare(steps_of(observed, model, 500, 1e-4), steps_of(published, model, 500, 1e-4),
-                std::string(strang ? "Strang" : "Lie") + ", rate " + std::to_string(rate) + ", tolerance " + std::to_string(tolerance * 1e9) + "e-9");
+                std::string(strang ? "Strang" : "Lie") + ", rate " + std::to_string(rate) + ", tolerance " +
+                    std::to_string(tolerance * 1e9) + "e-9");
       }
     }
   }

@@ -58,9 +58,7 @@ class Recorder final : public Observer {
 
 class EvolveTest : public ::testing::Test {
  protected:
-  EvolveTest() : comm_(MPI_COMM_SELF), decomposition_(comm_, Grid{1, {2, 1}}, {1, 1}, 1), u_(decomposition_, 1, 0) {
-    schedule_.end = 1.0;
-  }
+  EvolveTest() : comm_(MPI_COMM_SELF), decomposition_(comm_, Grid{1, {2, 1}}, {1, 1}, 1), u_(decomposition_, 1, 0) { schedule_.end = 1.0; }
 
   bool run() { return evolve(method_, schedule_, u_, progress_, recorder_); }
 
@@ -145,7 +143,8 @@ TEST_F(EvolveTest, RepeatsARejectedAttemptFromTheSameTimeWithASmallerStep) {
   };
   EXPECT_TRUE(run());
   EXPECT_EQ(progress_.rejected, 1);
-  const auto bad = std::find_if(recorder_.attempts.begin(), recorder_.attempts.end(), [](const StepRecord& r) { return !r.attempt.accepted; });
+  const auto bad =
+      std::find_if(recorder_.attempts.begin(), recorder_.attempts.end(), [](const StepRecord& r) { return !r.attempt.accepted; });
   ASSERT_NE(bad, recorder_.attempts.end());
   EXPECT_EQ((bad + 1)->t, bad->t);
   EXPECT_EQ((bad + 1)->dt, 0.5 * bad->dt);

@@ -115,8 +115,8 @@ struct Explosion {
 /// A problem with everything a run needs, on one rank.
 template <class M>
 struct Case {
-  Case(const Grid& grid, std::vector<double> diffusion, int order = 2,
-       std::array<std::array<BoundarySide, 2>, 2> sides = {}, const std::map<std::string, double>& parameters = {})
+  Case(const Grid& grid, std::vector<double> diffusion, int order = 2, std::array<std::array<BoundarySide, 2>, 2> sides = {},
+       const std::map<std::string, double>& parameters = {})
       : comm(MPI_COMM_SELF),
         problem(comm, grid, std::move(sides), std::move(diffusion), order),
         model(parameters),
@@ -148,8 +148,7 @@ struct Case {
 
 /// Makes n equal steps of one order from an exact history; exact(s, i, t). Returns the largest error at the end.
 template <class M, class F>
-double fixed_step_error(Case<M>& c, int order, double start, double dt, int n, F exact,
-                        int max_sweeps = sbdf_max_sweeps) {
+double fixed_step_error(Case<M>& c, int order, double start, double dt, int n, F exact, int max_sweeps = sbdf_max_sweeps) {
   SbdfOptions options;
   options.max_sweeps = max_sweeps;
   options.absolute_tolerance = {1e9};  // accepts whatever comes
@@ -206,11 +205,9 @@ TEST(Sbdf, HasTheOrderItSaysForAStiffNonlinearReaction) {
     for (int n : {16, 32, 64, 128}) {
       Case<Known> c(unit_grid(9, 1), {0.0, 0.0});
       h.push_back(1.0 / n);
-      e.push_back(fixed_step_error(c, order, 1.0, 1.0 / n, n,
-                                   [](int s, int, double t) { return s == 0 ? 1.0 / (1.0 + t) : std::cos(t); }));
+      e.push_back(fixed_step_error(c, order, 1.0, 1.0 / n, n, [](int s, int, double t) { return s == 0 ? 1.0 / (1.0 + t) : std::cos(t); }));
     }
-    EXPECT_NEAR(testing::observed_order(h, e), order, order < 3 ? 0.15 : 0.3)
-        << "order " << order << ", error " << e.back();
+    EXPECT_NEAR(testing::observed_order(h, e), order, order < 3 ? 0.15 : 0.3) << "order " << order << ", error " << e.back();
   }
 }
 
@@ -220,8 +217,7 @@ TEST(Sbdf, HasTheOrderItSaysForDiffusionWithSeveralSweepsAndWithCoupledCells) {
   const double mode = std::numbers::pi * dx;
   for (int space : {2, 4}) {
     // The discrete operator's eigenvalue at cos(pi x).
-    const double symbol =
-        space == 2 ? 2.0 - 2.0 * std::cos(mode) : 2.5 - 8.0 / 3.0 * std::cos(mode) + std::cos(2.0 * mode) / 6.0;
+    const double symbol = space == 2 ? 2.0 - 2.0 * std::cos(mode) : 2.5 - 8.0 / 3.0 * std::cos(mode) + std::cos(2.0 * mode) / 6.0;
     const double lambda = symbol / (dx * dx);
     for (const auto& [max_sweeps, rows] : {std::pair(sbdf_max_sweeps, 1), std::pair(1, 1), std::pair(1, 31)}) {
       for (int order = 1; order <= 5; ++order) {
@@ -230,12 +226,10 @@ TEST(Sbdf, HasTheOrderItSaysForDiffusionWithSeveralSweepsAndWithCoupledCells) {
         for (int n : {10, 20, 40}) {
           Case<Inert> c(unit_grid(points, rows), {1.0}, space);
           const double dt = 0.1 / n;
-          ASSERT_GT(dt * c.problem.diffusion.spectral_radius(), sbdf_z_limit(order, 2))
-              << "more than two sweeps are needed";
+          ASSERT_GT(dt * c.problem.diffusion.spectral_radius(), sbdf_z_limit(order, 2)) << "more than two sweeps are needed";
           h.push_back(dt);
           e.push_back(fixed_step_error(
-              c, order, 0.0, dt, n, [&](int, int i, double t) { return std::cos(mode * i) * std::exp(-lambda * t); },
-              max_sweeps));
+              c, order, 0.0, dt, n, [&](int, int i, double t) { return std::cos(mode * i) * std::exp(-lambda * t); }, max_sweeps));
         }
         EXPECT_NEAR(testing::observed_order(h, e), order, order < 3 ? 0.15 : 0.35)
             << "space " << space << " order " << order << " sweeps " << max_sweeps << " rows " << rows;
@@ -377,8 +371,7 @@ TEST(Sbdf, RestartsAtABreakPointInsteadOfRunningIntoTheJump) {
 
 TEST(Sbdf, GivesUpHighOrdersOnADampedOscillatorNearTheImaginaryAxis) {
   for (double tolerance : {1e-3, 1e-4}) {
-    Case<SlavedOscillator> c(Grid{1, {101, 1}, {0.0, 0.0}, {20.0, 1.0}}, {0.1, 0.0, 0.0}, 2, {},
-                             {{"damping", 5.0}, {"omega", 500.0}});
+    Case<SlavedOscillator> c(Grid{1, {101, 1}, {0.0, 0.0}, {20.0, 1.0}}, {0.1, 0.0, 0.0}, 2, {}, {{"damping", 5.0}, {"omega", 500.0}});
     c.model.initialise("slaved-oscillator-front", c.u);
     SbdfOptions options;
     options.relative_tolerance = tolerance;
@@ -402,9 +395,7 @@ TEST(Sbdf, GivesUpHighOrdersOnADampedOscillatorNearTheImaginaryAxis) {
 }
 
 TEST(Sbdf, GoesOnBitwiseFromAStoredState) {
-  const auto make = [] {
-    return std::make_unique<Case<Bz>>(unit_grid(101, 1), std::vector<double>{2.5e-3, 2.5e-3, 1.5e-3});
-  };
+  const auto make = [] { return std::make_unique<Case<Bz>>(unit_grid(101, 1), std::vector<double>{2.5e-3, 2.5e-3, 1.5e-3}); };
   const auto steps = [](Method& m, Field& u, Progress& p, int n) {
     struct StopAfter final : Observer {
       explicit StopAfter(std::int64_t n) : last(n) {}

@@ -68,8 +68,8 @@ TEST(SbdfWavefront, BitsDoNotDependOnTheDepth) {
                             Sides{BoundaryKind::periodic, BoundaryKind::dirichlet}}) {
     for (int order : {2, 4}) {
       const Grid grid = unit_grid(21, 70, sides.x == BoundaryKind::periodic, sides.y == BoundaryKind::periodic);
-      const DiffusionProblem p(self, grid, {both_sides(sides.x, 3, value, true), both_sides(sides.y, 3, value, true)}, {200.0, 200.0, 120.0},
-                               order);
+      const DiffusionProblem p(self, grid, {both_sides(sides.x, 3, value, true), both_sides(sides.y, 3, value, true)},
+                               {200.0, 200.0, 120.0}, order);
       const Outcome expected = run(p, 1);
       EXPECT_GT(expected.sweeps, 3 * expected.steps) << "steps of many sweeps are tested";
       for (int depth = 0; depth <= 16; ++depth) {

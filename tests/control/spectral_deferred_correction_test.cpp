@@ -80,8 +80,11 @@ class SpectralDeferredCorrectionTest : public ::testing::Test {
   /// u' = (-1/20 - 2 pi i) u to t = 20 from 1, the decay implicit: equation (4-1).
   double dahlquist_error(int steps, Options o) {
     constexpr double alpha = -0.05, beta = -2.0 * M_PI;
-    const Result r = solve([](double, double u, double v) { return std::array{alpha * u - beta * v, beta * u + alpha * v}; }, -alpha, 1.0, 0.0,
-                           20.0, steps, o);
+    const Result r = solve(
+        [](double, double u, double v) {
+          return std::array{alpha * u - beta * v, beta * u + alpha * v};
+        },
+        -alpha, 1.0, 0.0, 20.0, steps, o);
     return std::abs(std::complex<double>(r.u, r.v) - std::exp(std::complex<double>(alpha, beta) * 20.0));
   }
 
@@ -92,7 +95,11 @@ class SpectralDeferredCorrectionTest : public ::testing::Test {
 
   /// Van der Pol's equation (4-4), (4-5) to t = 4, explicit: largest error, and evaluations.
   std::pair<double, std::int64_t> van_der_pol(int steps, Options o) {
-    const Result r = solve([](double, double u, double v) { return std::array{v, -u + (1.0 - u * u) * v}; }, 0.0, 2.0, 2.0 / 3.0, 4.0, steps, o);
+    const Result r = solve(
+        [](double, double u, double v) {
+          return std::array{v, -u + (1.0 - u * u) * v};
+        },
+        0.0, 2.0, 2.0 / 3.0, 4.0, steps, o);
     evaluations_ = r.evaluations;
     progress_ = r.progress;
     return {std::max(std::abs(r.u + 1.91423981220481877556), std::abs(r.v - 0.448031279557519709566)), r.evaluations};
@@ -180,10 +187,10 @@ TEST_F(SpectralDeferredCorrectionTest, VanDerPolErrorsAndCountsAreThoseOfAnIndep
     double error;
     bool legendre;
   };
-  const std::vector<Row> rows = {{legendre(2, 1, 3), 289, 8.1e-6, true},  {legendre(3, 1, 5), 609, 2.1e-8, true},
-                                 {legendre(4, 1, 7), 529, 1.1e-8, true},  {legendre(6, 1, 11), 585, 1.3e-9, true},
-                                 {radau(3, 1, 4), 481, 1.8e-6, false},    {radau(4, 1, 6), 897, 6.9e-10, false},
-                                 {radau(6, 1, 10), 529, 1.9e-8, false},   {radau(6, 3, 8), 877, 1.54e-11, false}};
+  const std::vector<Row> rows = {{legendre(2, 1, 3), 289, 8.1e-6, true}, {legendre(3, 1, 5), 609, 2.1e-8, true},
+                                 {legendre(4, 1, 7), 529, 1.1e-8, true}, {legendre(6, 1, 11), 585, 1.3e-9, true},
+                                 {radau(3, 1, 4), 481, 1.8e-6, false},   {radau(4, 1, 6), 897, 6.9e-10, false},
+                                 {radau(6, 1, 10), 529, 1.9e-8, false},  {radau(6, 3, 8), 877, 1.54e-11, false}};
   for (const Row& row : rows) {
     const int each = row.o.node_count * (row.o.corrections + 1) + (row.legendre ? 1 : 0);
     const int extra = row.o.node_count * (row.o.starting_order - 1);  // of the first step

@@ -41,44 +41,30 @@ void expect_derivative(F f, double x, double reference, double tolerance, const 
   }
 }
 
-#define EXPECT_ANALYTIC(expression, ...)                                                            \
-  for (double at : {__VA_ARGS__}) {                                                                 \
-    const auto f = [](auto x) -> decltype(x) {                                                      \
-      using std::exp, std::log, std::log10, std::sin, std::cos, std::tan, std::asin, std::acos;     \
-      using std::atan, std::sinh, std::cosh, std::tanh, std::sqrt, std::pow;                        \
-      return expression;                                                                            \
-    };                                                                                              \
-    expect_derivative(f, at, complex_step(f, at), 1e-13, #expression);                              \
-    expect_derivative(f, at, central_difference(f, at), 1e-7, #expression);                         \
+#define EXPECT_ANALYTIC(expression, ...)                                                        \
+  for (double at : {__VA_ARGS__}) {                                                             \
+    const auto f = [](auto x) -> decltype(x) {                                                  \
+      using std::exp, std::log, std::log10, std::sin, std::cos, std::tan, std::asin, std::acos; \
+      using std::atan, std::sinh, std::cosh, std::tanh, std::sqrt, std::pow;                    \
+      return expression;                                                                        \
+    };                                                                                          \
+    expect_derivative(f, at, complex_step(f, at), 1e-13, #expression);                          \
+    expect_derivative(f, at, central_difference(f, at), 1e-7, #expression);                     \
   }
 
-TEST(Dual, DerivativesOfElementaryFunctionsAreThoseOfTheComplexStep) {
-  EXPECT_ANALYTIC(exp(x), -3.0, 0.1, 2.0)
-  EXPECT_ANALYTIC(log(x), 0.02, 1.0, 30.0)
-  EXPECT_ANALYTIC(log10(x), 0.02, 1.0, 30.0)
-  EXPECT_ANALYTIC(sin(x), -2.0, 0.3, 40.0)
-  EXPECT_ANALYTIC(cos(x), -2.0, 0.3, 40.0)
-  EXPECT_ANALYTIC(tan(x), -1.0, 0.3, 2.0)
-  EXPECT_ANALYTIC(asin(x), -0.9, 0.1, 0.6)
-  EXPECT_ANALYTIC(acos(x), -0.9, 0.1, 0.6)
-  EXPECT_ANALYTIC(atan(x), -3.0, 0.1, 0.9)
-  EXPECT_ANALYTIC(sinh(x), -1.5, 0.2, 3.0)
-  EXPECT_ANALYTIC(cosh(x), -1.5, 0.2, 3.0)
-  EXPECT_ANALYTIC(tanh(x), -1.5, 0.2, 3.0)
-  EXPECT_ANALYTIC(sqrt(x), 0.04, 1.0, 90.0)
-  EXPECT_ANALYTIC(pow(x, 3.0), 0.1, 0.7, 5.0)
-  EXPECT_ANALYTIC(pow(x, -1.5), 0.3, 4.0)
-  EXPECT_ANALYTIC(pow(x, x), 0.3, 1.0, 2.5)
-  EXPECT_ANALYTIC(pow(2.5, x), -1.0, 0.3, 2.0)
-}
+TEST(Dual, DerivativesOfElementaryFunctionsAreThoseOfTheComplexStep){
+    EXPECT_ANALYTIC(exp(x), -3.0, 0.1, 2.0) EXPECT_ANALYTIC(log(x), 0.02, 1.0, 30.0) EXPECT_ANALYTIC(log10(x), 0.02, 1.0, 30.0)
+        EXPECT_ANALYTIC(sin(x), -2.0, 0.3, 40.0) EXPECT_ANALYTIC(cos(x), -2.0, 0.3, 40.0) EXPECT_ANALYTIC(tan(x), -1.0, 0.3, 2.0)
+            EXPECT_ANALYTIC(asin(x), -0.9, 0.1, 0.6) EXPECT_ANALYTIC(acos(x), -0.9, 0.1, 0.6) EXPECT_ANALYTIC(atan(x), -3.0, 0.1, 0.9)
+                EXPECT_ANALYTIC(sinh(x), -1.5, 0.2, 3.0) EXPECT_ANALYTIC(cosh(x), -1.5, 0.2, 3.0) EXPECT_ANALYTIC(tanh(x), -1.5, 0.2, 3.0)
+                    EXPECT_ANALYTIC(sqrt(x), 0.04, 1.0, 90.0) EXPECT_ANALYTIC(pow(x, 3.0), 0.1, 0.7, 5.0)
+                        EXPECT_ANALYTIC(pow(x, -1.5), 0.3, 4.0) EXPECT_ANALYTIC(pow(x, x), 0.3, 1.0, 2.5)
+                            EXPECT_ANALYTIC(pow(2.5, x), -1.0, 0.3, 2.0)}
 
-TEST(Dual, DerivativesOfArithmeticAreThoseOfTheComplexStep) {
-  EXPECT_ANALYTIC(x * x / (1.0 + x), -0.4, 2.0)
-  EXPECT_ANALYTIC(2.0 * x - x * 3.0 + (1.0 - x) * (x - 1.0), -0.4, 2.0)
-  EXPECT_ANALYTIC(1.0 / x + x / 3.0 - +x, -0.4, 2.0)
-  EXPECT_ANALYTIC((x += 1.0, x *= x, x -= 0.5, x /= 1.0 + x, -x), 0.4, 2.0)
-  EXPECT_ANALYTIC(exp(-x * x) * sin(3.0 * x) / (1.0 + x * x), -0.4, 2.0)
-}
+TEST(Dual, DerivativesOfArithmeticAreThoseOfTheComplexStep){
+    EXPECT_ANALYTIC(x * x / (1.0 + x), -0.4, 2.0) EXPECT_ANALYTIC(2.0 * x - x * 3.0 + (1.0 - x) * (x - 1.0), -0.4, 2.0)
+        EXPECT_ANALYTIC(1.0 / x + x / 3.0 - +x, -0.4, 2.0) EXPECT_ANALYTIC((x += 1.0, x *= x, x -= 0.5, x /= 1.0 + x, -x), 0.4, 2.0)
+            EXPECT_ANALYTIC(exp(-x * x) * sin(3.0 * x) / (1.0 + x * x), -0.4, 2.0)}
 
 TEST(Dual, DerivativesOfWhatHasNoComplexFormAreThoseOfDifferences) {
   const auto check = [](auto f, std::initializer_list<double> points, const char* what) {

@@ -41,26 +41,19 @@ struct Function {
   std::string name;
   Pack (*pack)(Pack);
   long double (*exact)(long double);
-  double lower, upper;    ///< where uniform arguments are drawn from
-  double bound;           ///< the error promised in the header, in ulp
-  double largest = inf;   ///< arguments of any exponent are drawn up to here
+  double lower, upper;   ///< where uniform arguments are drawn from
+  double bound;          ///< the error promised in the header, in ulp
+  double largest = inf;  ///< arguments of any exponent are drawn up to here
 };
 
 const Function functions[] = {
-    {"exp", exp, std::exp, -750.0, 712.0, 1.5},
-    {"expm1", expm1, std::expm1, -40.0, 712.0, 2.0},
-    {"log", log, std::log, 0.0, 3.0, 1.0},
-    {"log1p", log1p, std::log1p, -1.0, 3.0, 1.5},
-    {"log10", log10, std::log10, 0.0, 20.0, 0.51},
-    {"sin", sin, std::sin, -1e5, 1e5, 1.0, 1e5},
-    {"cos", cos, std::cos, -1e5, 1e5, 1.0, 1e5},
-    {"tan", tan, std::tan, -1e5, 1e5, 2.5, 1e5},
-    {"asin", asin, std::asin, -1.001, 1.001, 1.5},
-    {"acos", acos, std::acos, -1.001, 1.001, 1.5},
-    {"atan", atan, std::atan, -4.0, 4.0, 2.0},
-    {"sinh", sinh, std::sinh, -711.0, 711.0, 2.5},
-    {"cosh", cosh, std::cosh, -711.0, 711.0, 2.0},
-    {"tanh", tanh, std::tanh, -22.0, 22.0, 3.0},
+    {"exp", exp, std::exp, -750.0, 712.0, 1.5},    {"expm1", expm1, std::expm1, -40.0, 712.0, 2.0},
+    {"log", log, std::log, 0.0, 3.0, 1.0},         {"log1p", log1p, std::log1p, -1.0, 3.0, 1.5},
+    {"log10", log10, std::log10, 0.0, 20.0, 0.51}, {"sin", sin, std::sin, -1e5, 1e5, 1.0, 1e5},
+    {"cos", cos, std::cos, -1e5, 1e5, 1.0, 1e5},   {"tan", tan, std::tan, -1e5, 1e5, 2.5, 1e5},
+    {"asin", asin, std::asin, -1.001, 1.001, 1.5}, {"acos", acos, std::acos, -1.001, 1.001, 1.5},
+    {"atan", atan, std::atan, -4.0, 4.0, 2.0},     {"sinh", sinh, std::sinh, -711.0, 711.0, 2.5},
+    {"cosh", cosh, std::cosh, -711.0, 711.0, 2.0}, {"tanh", tanh, std::tanh, -22.0, 22.0, 3.0},
 };
 
 class ElementaryFunction : public testing::TestWithParam<Function> {
@@ -217,7 +210,8 @@ TEST(SimdMath, PowersOfNegativeNumbersFollowTheParityOfTheExponent) {
 }
 
 TEST(SimdMath, PowersAgreeWithTheStandardAtSpecialArguments) {
-  const double values[] = {0.0, -0.0, 1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 3.0, -3.0, inf, -inf, nan, tiny, -tiny, DBL_MAX, -DBL_MAX, 1e-3, 9007199254740993.0};
+  const double values[] = {
+      0.0, -0.0, 1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 3.0, -3.0, inf, -inf, nan, tiny, -tiny, DBL_MAX, -DBL_MAX, 1e-3, 9007199254740993.0};
   for (double x : values) {
     for (double y : values) {
       const double expected = std::pow(x, y);

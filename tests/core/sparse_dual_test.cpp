@@ -26,9 +26,8 @@ void expect_same(F f, double x, double y, const char* what) {
   }
 }
 
-#define EXPECT_SAME(expression)                                                                                      \
-  expect_same([](const auto& x, const auto& y) -> std::remove_cvref_t<decltype(x)> { return expression; }, 0.7, 1.9, \
-              #expression)
+#define EXPECT_SAME(expression) \
+  expect_same([](const auto& x, const auto& y) -> std::remove_cvref_t<decltype(x)> { return expression; }, 0.7, 1.9, #expression)
 
 TEST(SparseDual, HasTheDerivativesOfAFullDual) {
   EXPECT_SAME(x + y);

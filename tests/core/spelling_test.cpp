@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
-
 #include "stiffront/core/spelling.hpp"
+
+#include <gtest/gtest.h>
 
 namespace stiffront {
 namespace {

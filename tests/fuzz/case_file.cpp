@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer: a case file, or after a first line "--KEY=VALUE" that override on top of it, is read or refused in one line, and what was
 // read is read again from its complete form.
+#include "stiffront/app/case_file.hpp"
+
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 
-#include "stiffront/app/case_file.hpp"
 #include "stiffront/core/error.hpp"
 #include "stiffront/solvers/model_registry.hpp"
 

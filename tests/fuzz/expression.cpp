@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer: an expression is understood, with its derivatives, or refused as input; a reaction equation likewise.
+#include "stiffront/model/expression.hpp"
+
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 
 #include "stiffront/core/error.hpp"
-#include "stiffront/model/expression.hpp"
 
 using namespace stiffront;
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer: a manifest is read or refused as damaged. The hash at its end is put right, so that what lies behind it is reached.
+#include "../../src/io/manifest.hpp"
+
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -7,7 +9,6 @@
 #include <string>
 
 #include "../../src/io/content_hash.hpp"
-#include "../../src/io/manifest.hpp"
 #include "stiffront/core/error.hpp"
 
 using namespace stiffront;

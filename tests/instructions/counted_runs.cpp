@@ -49,7 +49,8 @@ class Passes final : public Observer {
 };
 
 template <class M>
-Passes sbdf_run(const char* name, const Grid& grid, const std::vector<double>& diffusion, const M& parameters, const char* profile, double end) {
+Passes sbdf_run(const char* name, const Grid& grid, const std::vector<double>& diffusion, const M& parameters, const char* profile,
+                double end) {
   const Communicator comm(MPI_COMM_SELF);
   const Decomposition decomposition(comm, grid, {0, 0}, 1);
   const Boundary boundary = Boundary::natural(grid);
@@ -109,8 +110,9 @@ void radau5_cells() {
   counted("radau5", [&] {
     for (int k = 0; k < 4; ++k) {
       kernel.begin(0.0, 1e-3);
-      kernel.row({n, u.data(), n, to.data(), n, hint.data(), cost.data(), 0},
-                 [](int, int) { return Place<Pack>{Pack(0.0), Pack(0.0), Pack(0.0)}; });
+      kernel.row({n, u.data(), n, to.data(), n, hint.data(), cost.data(), 0}, [](int, int) {
+        return Place<Pack>{Pack(0.0), Pack(0.0), Pack(0.0)};
+      });
       if (kernel.finish()) std::abort();
     }
   });

@@ -2,6 +2,7 @@
 // Whatever the bytes of a manifest, it is read or refused as damaged: no crash, no hang, no error of another kind.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
 #include "../../src/io/content_hash.hpp"
 #include "../../src/io/manifest.hpp"
 #include "stiffront/core/error.hpp"
@@ -10,8 +11,26 @@
 namespace stiffront {
 namespace {
 
-const std::vector<std::string> json_fragments = {"{", "}", "[", "]", ",", ":", "\"", "null", "true", "-1", "1e400", "9223372036854775807", "[[[[[[[[", "\\u0000",
-                                                 "\"shards\"", "\"numbers\": {}", "\"points\": [0]", "\n", "\xff", std::string(1, '\0')};
+const std::vector<std::string> json_fragments = {"{",
+                                                 "}",
+                                                 "[",
+                                                 "]",
+                                                 ",",
+                                                 ":",
+                                                 "\"",
+                                                 "null",
+                                                 "true",
+                                                 "-1",
+                                                 "1e400",
+                                                 "9223372036854775807",
+                                                 "[[[[[[[[",
+                                                 "\\u0000",
+                                                 "\"shards\"",
+                                                 "\"numbers\": {}",
+                                                 "\"points\": [0]",
+                                                 "\n",
+                                                 "\xff",
+                                                 std::string(1, '\0')};
 
 Manifest example() {
   Manifest m;
@@ -41,7 +60,8 @@ TEST(FileMutation, AnyManifestIsReadOrRefusedAsDamaged) {
           }
         },
         Error)
-        << "seed " << seed << "\n" << changed;
+        << "seed " << seed << "\n"
+        << changed;
   }
 }
 

@@ -39,8 +39,7 @@ class HistoryTest : public ::testing::Test {
   std::string path_ = folder_.file("history.csv");
 };
 
-const std::string header =
-    "step,time,dt,error,accepted,iterations,epsilon,critical_dt,diffusion_stages,reaction_steps,wall_seconds\n";
+const std::string header = "step,time,dt,error,accepted,iterations,epsilon,critical_dt,diffusion_stages,reaction_steps,wall_seconds\n";
 
 TEST_F(HistoryTest, HasTheColumnsOfTheInterfaceAndOneLinePerAttempt) {
   History history(comm_, path_);

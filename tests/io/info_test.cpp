@@ -23,9 +23,10 @@ class InfoTest : public ::testing::Test {
 
 TEST_F(InfoTest, AStateIsDescribedWithItsGridTimeRangesAndCase) {
   Grid grid = testing::unit_grid(5, 4, true);
-  testing::DiffusionProblem problem(
-      comm_, grid, {testing::both_sides(BoundaryKind::periodic, 2), testing::both_sides(BoundaryKind::dirichlet, 2, [](double, double, double) { return 0.0; })},
-      {1.0, 1.0}, 2);
+  testing::DiffusionProblem problem(comm_, grid,
+                                    {testing::both_sides(BoundaryKind::periodic, 2),
+                                     testing::both_sides(BoundaryKind::dirichlet, 2, [](double, double, double) { return 0.0; })},
+                                    {1.0, 1.0}, 2);
   Field u = problem.field([](int s, double x, double) { return s == 0 ? x : 1.0; });
   u.at(1, 2, 2) = std::nan("");
   write_state(folder_.file("s.h5"), {0.125, 12, true, {"a", "b"}, "title = \"t\""}, problem.boundary, u);

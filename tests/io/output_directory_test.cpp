@@ -60,8 +60,8 @@ TEST_F(OutputDirectoryTest, FilesThatAreNoResultsAreNeitherRefusedNorRemoved) {
 }
 
 TEST_F(OutputDirectoryTest, ReplacingRemovesEveryResult) {
-  for (const char* name : {"fields-000000.h5", "fields-1234567.h5", "fields-000003-1.h5", "fields.xdmf", "history.csv", "probes.csv",
-                           "summary.json"}) {
+  for (const char* name :
+       {"fields-000000.h5", "fields-1234567.h5", "fields-000003-1.h5", "fields.xdmf", "history.csv", "probes.csv", "summary.json"}) {
     write_content(folder_.file(name), "old");
   }
   fs::create_directories(folder_.file("checkpoints/000120"));
@@ -99,8 +99,8 @@ TEST_F(OutputDirectoryTest, AFolderThatCannotBeWrittenIsFoundBeforeTheFirstStep)
 
 TEST_F(OutputDirectoryTest, NamesOfStatesAreInOrderOfTime) {
   const OutputDirectory d(comm_, folder_.path(), ExistingResults::refuse);
-  const std::vector<std::string> expected{"fields-000000.h5",    "fields-000002-1.h5",  "fields-000002-2.h5", "fields-000002.h5",
-                                          "fields-999999.h5", "fields-1000000-1.h5"};
+  const std::vector<std::string> expected{"fields-000000.h5", "fields-000002-1.h5", "fields-000002-2.h5",
+                                          "fields-000002.h5", "fields-999999.h5",   "fields-1000000-1.h5"};
   EXPECT_EQ(OutputDirectory::state_name(2, 1), expected[1]);
   EXPECT_EQ(OutputDirectory::state_name(999999), expected[4]);
   for (const std::string& name : expected) write_content(folder_.file(name), "");

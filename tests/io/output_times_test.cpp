@@ -14,9 +14,7 @@ OutputTimes listed(std::vector<double> times) {
   return o;
 }
 
-TEST(OutputTimesTest, TimesOutsideTheRunAreIgnored) {
-  EXPECT_EQ(listed({-1.0, 0.0, 0.25, 1.0, 2.0}).inner(), std::vector<double>{0.25});
-}
+TEST(OutputTimesTest, TimesOutsideTheRunAreIgnored) { EXPECT_EQ(listed({-1.0, 0.0, 0.25, 1.0, 2.0}).inner(), std::vector<double>{0.25}); }
 
 TEST(OutputTimesTest, RegularTimesAndListedTimesMergeAndCoincidingOnesAreOne) {
   OutputTimes o = listed({0.2, 0.3, 0.55});

@@ -58,10 +58,9 @@ TEST(StepInterpolationTest, AnInfiniteSlopeGivesTheLine) {
 TEST(StepInterpolationTest, AFieldGetsEachPointsInterpolantAndDirichletValuesOfItsTime) {
   const Communicator comm(MPI_COMM_SELF);
   const auto value = [](double t, double, double) { return 2.0 + t * t; };
-  testing::DiffusionProblem problem(comm, testing::unit_grid(9, 7),
-                                    {testing::both_sides(BoundaryKind::dirichlet, 1, value, true),
-                                     testing::both_sides(BoundaryKind::neumann, 1)},
-                                    {0.0}, 2);
+  testing::DiffusionProblem problem(
+      comm, testing::unit_grid(9, 7),
+      {testing::both_sides(BoundaryKind::dirichlet, 1, value, true), testing::both_sides(BoundaryKind::neumann, 1)}, {0.0}, 2);
   ModelRegistry registry;
   register_builtin_models(registry);
   const auto kpp = registry.make("kpp", {{"k", 3.0}});

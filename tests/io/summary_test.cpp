@@ -18,15 +18,15 @@ TEST(SummaryTest, HasEveryKeyOfTheInterface) {
   s.rejected = 3;
   s.work.diffusion_stages = 140;
   s.allreduces = 15;
-  s.wall_seconds = {{"diffusion", 1.0}, {"reaction", 2.0},  {"quadrature", 0.0},
-                    {"communication", 0.1}, {"output", 0.2}, {"total", 3.5}};
+  s.wall_seconds = {{"diffusion", 1.0}, {"reaction", 2.0}, {"quadrature", 0.0}, {"communication", 0.1}, {"output", 0.2}, {"total", 3.5}};
   s.checksum = "00ff";
   const auto j = nlohmann::json::parse(summary_json(s));
-  for (const char* key : {"status", "time", "steps", "work", "wall_seconds", "ranks", "imbalance", "negatives", "peak_memory_mib", "version",
-                          "git_hash", "checksum"}) {
+  for (const char* key : {"status", "time", "steps", "work", "wall_seconds", "ranks", "imbalance", "negatives", "peak_memory_mib",
+                          "version", "git_hash", "checksum"}) {
     EXPECT_TRUE(j.contains(key)) << key;
   }
-  for (const char* key : {"diffusion_stages", "reaction_steps", "reaction_newton_iterations", "reaction_rhs", "halo_exchanges", "allreduces"}) {
+  for (const char* key :
+       {"diffusion_stages", "reaction_steps", "reaction_newton_iterations", "reaction_rhs", "halo_exchanges", "allreduces"}) {
     EXPECT_TRUE(j["work"].contains(key)) << key;
   }
   EXPECT_EQ(j["steps"]["accepted"], 12);

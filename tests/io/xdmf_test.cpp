@@ -81,12 +81,13 @@ TEST_P(XdmfTest, EveryReferencedDatasetExistsWithTheShapeGivenAndTimesIncrease) 
   testing::TemporaryFolder folder(comm);
   const Grid grid = testing::unit_grid(11, GetParam() == 1 ? 1 : 6);
   ASSERT_EQ(grid.dimension, GetParam());
-  testing::DiffusionProblem problem(comm, grid, {testing::both_sides(BoundaryKind::neumann, 2), testing::both_sides(BoundaryKind::neumann, 2)},
-                                    {1.0, 1.0}, 2);
+  testing::DiffusionProblem problem(
+      comm, grid, {testing::both_sides(BoundaryKind::neumann, 2), testing::both_sides(BoundaryKind::neumann, 2)}, {1.0, 1.0}, 2);
   const Field u = problem.field([](int s, double x, double) { return s + x; });
   const std::vector<std::string> species{"a", "b<c"};  // a name that XML would misread
   XdmfSeries series(folder.file("fields.xdmf"), grid, species);
-  const std::vector<std::pair<double, std::string>> states{{0.5, "fields-000002.h5"}, {0.0, "fields-000000.h5"}, {0.25, "fields-000002-1.h5"}};
+  const std::vector<std::pair<double, std::string>> states{
+      {0.5, "fields-000002.h5"}, {0.0, "fields-000000.h5"}, {0.25, "fields-000002-1.h5"}};
   for (const auto& [t, name] : states) {
     write_state(folder.file(name), {t, 0, false, species, ""}, problem.boundary, u);
     series.add(t, name);
@@ -121,7 +122,8 @@ TEST_P(XdmfTest, EveryReferencedDatasetExistsWithTheShapeGivenAndTimesIncrease) 
       for (double x; text >> x;) numbers.push_back(x);
     }
   }
-  EXPECT_EQ(numbers, (std::vector<double>{0.0, grid.lower[1], grid.lower[0], 1.0, GetParam() == 2 ? grid.spacing(1) : 1.0, grid.spacing(0)}));
+  EXPECT_EQ(numbers,
+            (std::vector<double>{0.0, grid.lower[1], grid.lower[0], 1.0, GetParam() == 2 ? grid.spacing(1) : 1.0, grid.spacing(0)}));
 }
 
 }  // namespace

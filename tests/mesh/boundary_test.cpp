@@ -79,9 +79,8 @@ TEST_F(BoundaryTest, EverySpeciesHasItsOwnValueAndCornersBelongToTheXSide) {
     for (std::size_t which = 0; which < 2; ++which) {
       sides[direction][which].kind = BoundaryKind::dirichlet;
       for (int s = 0; s < 2; ++s) {
-        sides[direction][which].values.push_back([=](double, double, double) {
-          return 100.0 * static_cast<double>(direction) + 10.0 * static_cast<double>(which) + s;
-        });
+        sides[direction][which].values.push_back(
+            [=](double, double, double) { return 100.0 * static_cast<double>(direction) + 10.0 * static_cast<double>(which) + s; });
       }
     }
   }

@@ -54,17 +54,18 @@ struct Zoo {
     du[0] = 2.5 * a * b / (a + 0.3) - pow(a, 2.5) + 0.7 * sin(b) * cos(c) + place.x * tanh(d);
     du[1] = exp(-b / (1.0 + c * c)) - log(1.0 + a * a) + sqrt(d + 0.1) / (1.0 + b) + atan(c) * place.t;
     du[2] = select(a < b, a * a - c, b * c) + max(a, d) * min(b, c) - abs(c - d) + pow(a, b);
-    du[3] = (a - b) * (c + d) * 3.0 - (1.0 - d) * d + log10(2.0 + c) + asin(0.3 * a) - acos(0.3 * b) + sinh(c) * cosh(0.5 * d) + tan(0.2 * a) * place.y;
+    du[3] = (a - b) * (c + d) * 3.0 - (1.0 - d) * d + log10(2.0 + c) + asin(0.3 * a) - acos(0.3 * b) + sinh(c) * cosh(0.5 * d) +
+            tan(0.2 * a) * place.y;
   }
 };
 
 ExpressionModel<4> custom_zoo() {
-  return model_of<4>({"a", "b", "c", "d"},
-                     {"k*a*b/(a + 0.3) - a^2.5 + 0.7*sin(b)*cos(c) + x*tanh(d)",
-                      "exp(-b/(1 + c*c)) - log(1 + a*a) + sqrt(d + 0.1)/(1 + b) + atan(c)*t",
-                      "if(a < b, a*a - c, b*c) + max(a, d)*min(b, c) - abs(c - d) + a^b",
-                      "(a - b)*(c + d)*3 - (1 - d)*d + log10(2 + c) + asin(0.3*a) - acos(0.3*b) + sinh(c)*cosh(0.5*d) + tan(0.2*a)*y"},
-                     {{"k", 2.5}});
+  return model_of<4>(
+      {"a", "b", "c", "d"},
+      {"k*a*b/(a + 0.3) - a^2.5 + 0.7*sin(b)*cos(c) + x*tanh(d)", "exp(-b/(1 + c*c)) - log(1 + a*a) + sqrt(d + 0.1)/(1 + b) + atan(c)*t",
+       "if(a < b, a*a - c, b*c) + max(a, d)*min(b, c) - abs(c - d) + a^b",
+       "(a - b)*(c + d)*3 - (1 - d)*d + log10(2 + c) + asin(0.3*a) - acos(0.3*b) + sinh(c)*cosh(0.5*d) + tan(0.2*a)*y"},
+      {{"k", 2.5}});
 }
 
 /// Rates and Jacobian of M and of a custom model differ by rounding, relative to the largest term that may have cancelled.
@@ -99,16 +100,17 @@ TEST(ExpressionModelTest, BzAsTextIsTheBuiltInModel) {
   const Bz bz;
   // The largest terms of the rates for the states below
   const double size[3] = {240.0 / bz.mu, 240.0 / bz.epsilon, 2.0};
-  expect_same(bz, custom_bz(bz),
-              [](std::mt19937_64& engine, Pack* u) {
-                std::uniform_real_distribution<double> uniform(0.0, 1.0);
-                for (int l = 0; l < pack_size; ++l) {
-                  u[0].set(l, 200.0 * uniform(engine));
-                  u[1].set(l, 1.2 * uniform(engine));
-                  u[2].set(l, 1.2 * uniform(engine));
-                }
-              },
-              size);
+  expect_same(
+      bz, custom_bz(bz),
+      [](std::mt19937_64& engine, Pack* u) {
+        std::uniform_real_distribution<double> uniform(0.0, 1.0);
+        for (int l = 0; l < pack_size; ++l) {
+          u[0].set(l, 200.0 * uniform(engine));
+          u[1].set(l, 1.2 * uniform(engine));
+          u[2].set(l, 1.2 * uniform(engine));
+        }
+      },
+      size);
 }
 
 void next_zoo(std::mt19937_64& engine, Pack* u) {
@@ -179,7 +181,8 @@ TEST(ExpressionModelTest, BitsDependNeitherOnLanesNorOnCompany) {
       const auto same_bits = [](double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; };
       for (int i = 0; i < 4; ++i) {
         EXPECT_TRUE(same_bits(together.values(p).output(i)[l], du[i][0])) << p << ", " << l << ", " << i;
-        for (int j = 0; j < 4; ++j) EXPECT_TRUE(same_bits(together.values(p).output(4 + 4 * i + j)[l], jacobian[i][j][0])) << p << ", " << l;
+        for (int j = 0; j < 4; ++j)
+          EXPECT_TRUE(same_bits(together.values(p).output(4 + 4 * i + j)[l], jacobian[i][j][0])) << p << ", " << l;
       }
     }
   }
@@ -215,7 +218,8 @@ TEST(ExpressionProgramTest, BzTakesThirteenInstructionsForRatesAndJacobian) {
   ExpressionGraph graph({"a", "b", "c"});
   const std::map<std::string, double> parameters = {{"epsilon", 1e-2}, {"mu", 1e-5}, {"f", 1.6}, {"q", 2e-3}};
   std::vector<ExpressionGraph::Node> values;
-  for (const char* text : {"(f*c - q*a - a*b)/mu", "(q*a - a*b + b*(1 - b))/epsilon", "b - c"}) values.push_back(graph.parse(text, parameters));
+  for (const char* text : {"(f*c - q*a - a*b)/mu", "(q*a - a*b + b*(1 - b))/epsilon", "b - c"})
+    values.push_back(graph.parse(text, parameters));
   values = contract(graph, values);
   std::vector<ExpressionGraph::Node> all = values;
   for (int i = 0; i < 3; ++i) {
@@ -246,7 +250,8 @@ TEST(ExpressionProgramTest, ManyRegistersAreNoLimit) {
   // Two hundred values that are all needed at the end, in both orders.
   ExpressionGraph graph({"u"});
   std::vector<ExpressionGraph::Node> parts;
-  for (int k = 0; k < 200; ++k) parts.push_back(graph.make(Operation::sine, graph.make(Operation::multiply, graph.constant(k + 1.0), graph.variable(0))));
+  for (int k = 0; k < 200; ++k)
+    parts.push_back(graph.make(Operation::sine, graph.make(Operation::multiply, graph.constant(k + 1.0), graph.variable(0))));
   const ExpressionProgram program(graph, parts);
   EXPECT_GE(program.n_registers(), 200);
   ExpressionProgram::Frame<Pack, 8> frame(program);
@@ -262,25 +267,45 @@ double reference(const ExpressionGraph& graph, ExpressionGraph::Node node, doubl
   const auto& d = graph.data(node);
   const auto of = [&](ExpressionGraph::Node n) { return reference(graph, n, u, v); };
   switch (d.operation) {
-    case Operation::constant: return d.value;
-    case Operation::variable: return d.value == 0.0 ? u : v;
-    case Operation::add: return of(d.a) + of(d.b);
-    case Operation::subtract: return of(d.a) - of(d.b);
-    case Operation::multiply: return of(d.a) * of(d.b);
-    case Operation::divide: return of(d.a) / of(d.b);
-    case Operation::negate: return -of(d.a);
-    case Operation::multiply_add: return mul_add(of(d.a), of(d.b), of(d.c));
-    case Operation::less: return of(d.a) < of(d.b) ? 1.0 : 0.0;
-    case Operation::less_equal: return of(d.a) <= of(d.b) ? 1.0 : 0.0;
-    case Operation::greater: return of(d.a) > of(d.b) ? 1.0 : 0.0;
-    case Operation::greater_equal: return of(d.a) >= of(d.b) ? 1.0 : 0.0;
-    case Operation::equal: return of(d.a) == of(d.b) ? 1.0 : 0.0;
-    case Operation::not_equal: return of(d.a) != of(d.b) ? 1.0 : 0.0;
-    case Operation::select: return of(d.a) != 0.0 ? of(d.b) : of(d.c);
-    case Operation::minimum: return min(of(d.a), of(d.b));
-    case Operation::maximum: return max(of(d.a), of(d.b));
-    case Operation::absolute: return abs(of(d.a));
-    default: ADD_FAILURE() << "operation " << static_cast<int>(d.operation); return 0.0;
+    case Operation::constant:
+      return d.value;
+    case Operation::variable:
+      return d.value == 0.0 ? u : v;
+    case Operation::add:
+      return of(d.a) + of(d.b);
+    case Operation::subtract:
+      return of(d.a) - of(d.b);
+    case Operation::multiply:
+      return of(d.a) * of(d.b);
+    case Operation::divide:
+      return of(d.a) / of(d.b);
+    case Operation::negate:
+      return -of(d.a);
+    case Operation::multiply_add:
+      return mul_add(of(d.a), of(d.b), of(d.c));
+    case Operation::less:
+      return of(d.a) < of(d.b) ? 1.0 : 0.0;
+    case Operation::less_equal:
+      return of(d.a) <= of(d.b) ? 1.0 : 0.0;
+    case Operation::greater:
+      return of(d.a) > of(d.b) ? 1.0 : 0.0;
+    case Operation::greater_equal:
+      return of(d.a) >= of(d.b) ? 1.0 : 0.0;
+    case Operation::equal:
+      return of(d.a) == of(d.b) ? 1.0 : 0.0;
+    case Operation::not_equal:
+      return of(d.a) != of(d.b) ? 1.0 : 0.0;
+    case Operation::select:
+      return of(d.a) != 0.0 ? of(d.b) : of(d.c);
+    case Operation::minimum:
+      return min(of(d.a), of(d.b));
+    case Operation::maximum:
+      return max(of(d.a), of(d.b));
+    case Operation::absolute:
+      return abs(of(d.a));
+    default:
+      ADD_FAILURE() << "operation " << static_cast<int>(d.operation);
+      return 0.0;
   }
 }
 
@@ -288,14 +313,16 @@ TEST(ExpressionProgramTest, InstructionsHaveTheBitsOfTheirOperations) {
   // Random graphs of arithmetic and choices: every instruction is chosen many times, in all company.
   std::mt19937_64 engine(99);
   const auto below = [&](int n) { return static_cast<int>(engine() % static_cast<unsigned>(n)); };
-  constexpr Operation operations[] = {Operation::add, Operation::subtract, Operation::multiply, Operation::add, Operation::subtract, Operation::multiply,
-                                      Operation::divide, Operation::negate, Operation::multiply_add, Operation::multiply_add,
-                                      Operation::less, Operation::less_equal, Operation::greater, Operation::greater_equal,
-                                      Operation::equal, Operation::not_equal, Operation::select, Operation::select,
-                                      Operation::minimum, Operation::maximum, Operation::absolute};
+  constexpr Operation operations[] = {Operation::add,          Operation::subtract,      Operation::multiply, Operation::add,
+                                      Operation::subtract,     Operation::multiply,      Operation::divide,   Operation::negate,
+                                      Operation::multiply_add, Operation::multiply_add,  Operation::less,     Operation::less_equal,
+                                      Operation::greater,      Operation::greater_equal, Operation::equal,    Operation::not_equal,
+                                      Operation::select,       Operation::select,        Operation::minimum,  Operation::maximum,
+                                      Operation::absolute};
   for (int round = 0; round < 3000; ++round) {
     ExpressionGraph graph({"u", "v"});
-    std::vector<ExpressionGraph::Node> nodes = {graph.variable(0), graph.variable(1), graph.constant(0.3), graph.constant(-1.7), graph.constant(3.0)};
+    std::vector<ExpressionGraph::Node> nodes = {graph.variable(0), graph.variable(1), graph.constant(0.3), graph.constant(-1.7),
+                                                graph.constant(3.0)};
     for (int k = 0; k < 10; ++k) {
       const Operation operation = operations[below(static_cast<int>(std::size(operations)))];
       const auto any = [&] { return nodes[static_cast<std::size_t>(below(static_cast<int>(nodes.size())))]; };

@@ -11,9 +11,28 @@
 namespace stiffront {
 namespace {
 
-const std::vector<std::string> fragments = {"(", ")", "))))", "((((", "+", "-", "*", "/", "^", "^^", ",", "<=", "==", "if(", "pow(", "exp(", "log(0)", "sqrt(-1)",
-                                            "u", "v", "k", "t", "pi", "e", "1e999", "1e-999", "0", "1.", ".5", "0x1", "nan", "inf", " ", "\t", "\n",
-                                            "\xc3\xa4", "\xff", std::string(1, '\0'), "->", "<->", "2 u", "-3 u", "min(u, v)", "99999999999999999999"};
+const std::vector<std::string> fragments = {"(",         ")",
+                                            "))))",      "((((",
+                                            "+",         "-",
+                                            "*",         "/",
+                                            "^",         "^^",
+                                            ",",         "<=",
+                                            "==",        "if(",
+                                            "pow(",      "exp(",
+                                            "log(0)",    "sqrt(-1)",
+                                            "u",         "v",
+                                            "k",         "t",
+                                            "pi",        "e",
+                                            "1e999",     "1e-999",
+                                            "0",         "1.",
+                                            ".5",        "0x1",
+                                            "nan",       "inf",
+                                            " ",         "\t",
+                                            "\n",        "\xc3\xa4",
+                                            "\xff",      std::string(1, '\0'),
+                                            "->",        "<->",
+                                            "2 u",       "-3 u",
+                                            "min(u, v)", "99999999999999999999"};
 
 /// One expression a line.
 std::vector<std::string> corpus(const std::string& name) {

@@ -146,7 +146,8 @@ TEST(ExpressionTest, DependsOnItsVariablesOnly) {
 }
 
 TEST(ExpressionErrorTest, NamesColumnAndRemedy) {
-  EXPECT_EQ(error("k1*u + epsilom"), "column 8: unknown name \"epsilom\"; did you mean epsilon? Allowed: u, v, t, x, y, epsilon, k1, n, zero, pi, e");
+  EXPECT_EQ(error("k1*u + epsilom"),
+            "column 8: unknown name \"epsilom\"; did you mean epsilon? Allowed: u, v, t, x, y, epsilon, k1, n, zero, pi, e");
   EXPECT_EQ(error("w"), "column 1: unknown name \"w\"; allowed: u, v, t, x, y, epsilon, k1, n, zero, pi, e");
   EXPECT_EQ(error("2*sinn(u)"),
             "column 3: unknown function \"sinn\"; did you mean sin? Allowed: if, min, max, pow, abs, sqrt, exp, log, log10, sin, cos, "
@@ -240,12 +241,50 @@ TEST(ExpressionErrorTest, GraphsBeyondAnySensibleModelAreRefused) {
 }
 
 /// Every kind of part, over the inputs' neighbourhood in which it is smooth.
-const std::vector<std::string> smooth = {
-    "u + v", "u - v", "u*v", "u/v", "-u", "u^2", "u^7", "v^-3", "u^2.5", "u^0.3", "u^v", "3^v", "pow(u, v*v)", "min(u, v)",
-    "max(u*u, v)", "abs(v)", "abs(u)", "sqrt(u)", "sqrt(1 + v^2)", "exp(v)", "log(u)", "log10(u + 2)", "sin(v)", "cos(v)", "tan(u)",
-    "asin(u/2)", "acos(u/2)", "atan(v)", "sinh(v)", "cosh(v)", "tanh(v)", "if(u > v, u^2*v, v)", "if(u < v, u, u*sin(v))",
-    "u < v", "u >= v && v", "!u", "arrhenius(k1, 4000, 300 + 100*u)", "arrhenius(k1, 1.5, 4000, 300 + 100*u)", "u*v/(u + k1)",
-    "1/(1 + exp(-v/epsilon*0.01))", "u - v*(u - v*(u - 3*v))", "k1*(k1 - u)*(2 + v)", "(u*u - v)/(v*v + u)", "exp(-u/(1 + v*v))*tanh(u*v)"};
+const std::vector<std::string> smooth = {"u + v",
+                                         "u - v",
+                                         "u*v",
+                                         "u/v",
+                                         "-u",
+                                         "u^2",
+                                         "u^7",
+                                         "v^-3",
+                                         "u^2.5",
+                                         "u^0.3",
+                                         "u^v",
+                                         "3^v",
+                                         "pow(u, v*v)",
+                                         "min(u, v)",
+                                         "max(u*u, v)",
+                                         "abs(v)",
+                                         "abs(u)",
+                                         "sqrt(u)",
+                                         "sqrt(1 + v^2)",
+                                         "exp(v)",
+                                         "log(u)",
+                                         "log10(u + 2)",
+                                         "sin(v)",
+                                         "cos(v)",
+                                         "tan(u)",
+                                         "asin(u/2)",
+                                         "acos(u/2)",
+                                         "atan(v)",
+                                         "sinh(v)",
+                                         "cosh(v)",
+                                         "tanh(v)",
+                                         "if(u > v, u^2*v, v)",
+                                         "if(u < v, u, u*sin(v))",
+                                         "u < v",
+                                         "u >= v && v",
+                                         "!u",
+                                         "arrhenius(k1, 4000, 300 + 100*u)",
+                                         "arrhenius(k1, 1.5, 4000, 300 + 100*u)",
+                                         "u*v/(u + k1)",
+                                         "1/(1 + exp(-v/epsilon*0.01))",
+                                         "u - v*(u - v*(u - 3*v))",
+                                         "k1*(k1 - u)*(2 + v)",
+                                         "(u*u - v)/(v*v + u)",
+                                         "exp(-u/(1 + v*v))*tanh(u*v)"};
 
 TEST(ExpressionDerivativeTest, AgreeWithFiniteDifferences) {
   for (const std::string& text : smooth) {
@@ -264,9 +303,11 @@ TEST(ExpressionDerivativeTest, AgreeWithFiniteDifferences) {
         };
         // Eighth-order differences: truncation about 1e-24 times a derivative of order 9, rounding about 1e-13.
         const double difference = (4.0 / 5.0 * (at(h) - at(-h)) - 1.0 / 5.0 * (at(2 * h) - at(-2 * h)) +
-                                   4.0 / 105.0 * (at(3 * h) - at(-3 * h)) - 1.0 / 280.0 * (at(4 * h) - at(-4 * h))) / h;
+                                   4.0 / 105.0 * (at(3 * h) - at(-3 * h)) - 1.0 / 280.0 * (at(4 * h) - at(-4 * h))) /
+                                  h;
         const double exact = evaluate(graph, slope, inputs);
-        EXPECT_NEAR(exact, difference, 1e-10 * (1.0 + std::abs(exact) + std::abs(at(0.0)) / h * 1e-3)) << text << " by " << "uv"[k];
+        EXPECT_NEAR(exact, difference, 1e-10 * (1.0 + std::abs(exact) + std::abs(at(0.0)) / h * 1e-3)) << text << " by "
+                                                                                                       << "uv"[k];
       }
     }
   }
@@ -321,9 +362,11 @@ TEST(ExpressionContractionTest, LeavesWhatIsKeptAsItIs) {
 }
 
 TEST(ExpressionFuzzTest, MutatedTextsGiveAValueOrAnExpressionError) {
-  const std::vector<std::string> pieces = {"u",   "v",  "t",   "x",    "k1",  "zero", "1",  "1e308", "1e-308", "0",  ".",   "e",  "pi", "+", "-", "*", "/",
-                                           "^",   "**", "(",   ")",    ",",   "<",    "<=", "==",    "!=",     "&&", "||",  "!",  "=",  " ", "if(", "sin(",
-                                           "exp(", "log(", "min(", "pow(", "sqrt(", "tan(", "arrhenius(", "uu", "\xc3", "\xe2\x88\x92", "1e", "e5", "_", "#", "\"", "\\", "\n"};
+  const std::vector<std::string> pieces = {
+      "u", "v",   "t",    "x",    "k1",   "zero", "1",    "1e308", "1e-308", "0",          ".",  "e",    "pi",           "+",  "-",
+      "*", "/",   "^",    "**",   "(",    ")",    ",",    "<",     "<=",     "==",         "!=", "&&",   "||",           "!",  "=",
+      " ", "if(", "sin(", "exp(", "log(", "min(", "pow(", "sqrt(", "tan(",   "arrhenius(", "uu", "\xc3", "\xe2\x88\x92", "1e", "e5",
+      "_", "#",   "\"",   "\\",   "\n"};
   std::vector<std::string> seeds = smooth;
   std::mt19937_64 engine(20240607);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(engine() % n); };
@@ -335,11 +378,21 @@ TEST(ExpressionFuzzTest, MutatedTextsGiveAValueOrAnExpressionError) {
     for (std::size_t k = 0; k < changes; ++k) {
       const std::size_t at = below(text.size() + 1);
       switch (below(5)) {
-        case 0: text.insert(at, pieces[below(pieces.size())]); break;
-        case 1: text.erase(at, 1); break;
-        case 2: text.replace(at, 1, pieces[below(pieces.size())]); break;
-        case 3: text.insert(at, text.substr(below(text.size() + 1), below(10))); break;
-        default: text.insert(at, 1, static_cast<char>(below(256))); break;
+        case 0:
+          text.insert(at, pieces[below(pieces.size())]);
+          break;
+        case 1:
+          text.erase(at, 1);
+          break;
+        case 2:
+          text.replace(at, 1, pieces[below(pieces.size())]);
+          break;
+        case 3:
+          text.insert(at, text.substr(below(text.size() + 1), below(10)));
+          break;
+        default:
+          text.insert(at, 1, static_cast<char>(below(256)));
+          break;
       }
     }
     ExpressionGraph graph = graph_of_tests();

@@ -48,14 +48,14 @@ struct List {
   }
 };
 
-using Models =
-    List<Angiogenesis, AngiogenesisChemotaxis, Brusselator, Bz, Bz2, Dahlquist, Discharge, FitzhughNagumo, Flame, GrayScott, Ignition, Kpp,
-         LambdaOmega, PulsatingFlame, Pulse, ReducedPulsatingFlame, SlavedOscillator, VanDerPol>;
+using Models = List<Angiogenesis, AngiogenesisChemotaxis, Brusselator, Bz, Bz2, Dahlquist, Discharge, FitzhughNagumo, Flame, GrayScott,
+                    Ignition, Kpp, LambdaOmega, PulsatingFlame, Pulse, ReducedPulsatingFlame, SlavedOscillator, VanDerPol>;
 
 /// Models whose rates go beyond + - * /: there packs and doubles agree to a few units in the last place only.
 template <class M>
-constexpr bool has_elementary_functions = std::is_same_v<M, AngiogenesisChemotaxis> || std::is_same_v<M, PulsatingFlame> ||
-                                          std::is_same_v<M, ReducedPulsatingFlame> || std::is_same_v<M, Flame> || std::is_same_v<M, Ignition> || std::is_same_v<M, Pulse>;
+constexpr bool has_elementary_functions =
+    std::is_same_v<M, AngiogenesisChemotaxis> || std::is_same_v<M, PulsatingFlame> || std::is_same_v<M, ReducedPulsatingFlame> ||
+    std::is_same_v<M, Flame> || std::is_same_v<M, Ignition> || std::is_same_v<M, Pulse>;
 
 constexpr int samples = 1000;
 
@@ -309,7 +309,10 @@ TEST(ModelsTest, ProfilesAreFiniteAndOfTheModelsScale) {
               p.evaluate(m, grid, i, j, u);
               for (int s = 0; s < M::n_species; ++s) {
                 ASSERT_TRUE(std::isfinite(u[s])) << p.name << " at " << i << ", " << j;
-                ASSERT_LE(std::abs(u[s]), (std::is_same_v<M, Discharge> ? 1e14 : std::is_same_v<M, Bz> ? 1e3 : 10.0)) << p.name << " at " << i << ", " << j;
+                ASSERT_LE(std::abs(u[s]), (std::is_same_v<M, Discharge> ? 1e14
+                                           : std::is_same_v<M, Bz>      ? 1e3
+                                                                        : 10.0))
+                    << p.name << " at " << i << ", " << j;
                 if (i + j == 0) first[s] = u[s];
                 uniform &= u[s] == first[s];
               }

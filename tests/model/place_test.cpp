@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stiffront/model/model.hpp"
-
 #include <gtest/gtest.h>
 
+#include "stiffront/model/model.hpp"
 #include "support/grids.hpp"
 
 namespace stiffront {

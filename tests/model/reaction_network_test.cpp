@@ -60,7 +60,8 @@ TEST(ReactionEquationTest, MistakesHaveColumnAndRemedy) {
 }
 
 TEST(ReactionEquationTest, MutationsAreReadOrRefused) {
-  const std::vector<std::string> pieces = {"A", "B", "C", "2", "1.5", "0", "+", "->", "<->", "*", " ", "-", ">", ".", "D", "\xc3", "999999999"};
+  const std::vector<std::string> pieces = {"A", "B", "C", "2", "1.5", "0", "+",    "->",       "<->",
+                                           "*", " ", "-", ">", ".",   "D", "\xc3", "999999999"};
   std::mt19937_64 engine(5);
   int read = 0;
   for (int iteration = 0; iteration < 20000; ++iteration) {
@@ -126,7 +127,8 @@ TEST_F(NetworkTest, MistakesNameTheEntry) {
             "model.reactions[1].rate: column 1: unknown name \"k3\"; did you mean k1? Allowed: A, B, C, t, x, y, k1, k2, pi, e");
   EXPECT_EQ(error({"A <-> B", "k1", {}, true}), "model.reactions[1].reverse_rate: missing: the coefficient of the backward direction");
   EXPECT_EQ(error({"A -> B", "k1", "k2", true}), "model.reactions[1].reverse_rate: only for an equation with <->");
-  EXPECT_EQ(error({"A <-> B", "k1", "k2 +", true}), "model.reactions[1].reverse_rate: column 5: the expression ends where a number, a name or ( is expected");
+  EXPECT_EQ(error({"A <-> B", "k1", "k2 +", true}),
+            "model.reactions[1].reverse_rate: column 5: the expression ends where a number, a name or ( is expected");
 }
 
 std::vector<std::string> conserved(const std::vector<std::string>& names, const std::vector<std::string>& equations) {
@@ -170,7 +172,8 @@ TEST(ConservedSumsTest, RefusesWhatDoesNotFitExactArithmetic) {
   for (int s = 0; s < 8; ++s) names.push_back(std::string(1, static_cast<char>('a' + s)));
   for (int r = 0; r < 7; ++r) {
     changes.emplace_back();
-    for (int s = 0; s < 8; ++s) changes.back().push_back({static_cast<std::int64_t>(engine() % 1000000000), static_cast<std::int64_t>(engine() % 1000 + 1)});
+    for (int s = 0; s < 8; ++s)
+      changes.back().push_back({static_cast<std::int64_t>(engine() % 1000000000), static_cast<std::int64_t>(engine() % 1000 + 1)});
   }
   try {
     conserved_sums(names, changes);

@@ -15,8 +15,7 @@ using testing::unit_grid;
 
 /// A system of n points with rough data; `dominance` is added to the diagonal.
 template <int m>
-void fill(BlockTridiagonal<m>& solver, int n, bool periodic, double dominance, Eigen::MatrixXd& matrix,
-          Eigen::VectorXd& right_side) {
+void fill(BlockTridiagonal<m>& solver, int n, bool periodic, double dominance, Eigen::MatrixXd& matrix, Eigen::VectorXd& right_side) {
   matrix = Eigen::MatrixXd::Zero(n * m, n * m);
   right_side.resize(n * m);
   for (int i = 0; i < n; ++i) {

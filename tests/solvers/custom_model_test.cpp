@@ -221,8 +221,11 @@ TEST_F(CustomModelErrorTest, NamesTheEntryAndTheColumn) {
   EXPECT_EQ(error([](CustomModel& m) { m.diffusion[0].second = "muh"; }),
             "model.diffusion.a: column 1: unknown name \"muh\"; did you mean mu? Allowed: epsilon, f, mu, q, pi, e");
   EXPECT_EQ(error([](CustomModel& m) { m.diffusion[0].second = -1.0; }), "model.diffusion.a: expected a number not below 0, got -1");
-  EXPECT_EQ(error([](CustomModel& m) { m.diffusion[0].first = "A"; }), "model.diffusion.A: unknown species; did you mean a? Allowed: a, b, c");
-  EXPECT_EQ(error([](CustomModel& m) { m.reactions = {{"a -> d", 1.0, {}, true}}; }),
+  EXPECT_EQ(error([](CustomModel& m) { m.diffusion[0].first = "A"; }),
+            "model.diffusion.A: unknown species; did you mean a? Allowed: a, b, c");
+  EXPECT_EQ(error([](CustomModel& m) {
+              m.reactions = {{"a -> d", 1.0, {}, true}};
+            }),
             "model.reactions[0].equation: column 6: unknown species \"d\"; allowed: a, b, c");
 }
 

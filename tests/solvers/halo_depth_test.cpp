@@ -25,8 +25,8 @@ class HaloCostOfABox : public ::testing::Test {
  protected:
   int best(std::int64_t points, double exchange, int variables = 3) {
     const Communicator self(MPI_COMM_SELF);
-    const DiffusionProblem p(self, unit_grid(points, points, true, true), {both_sides(BoundaryKind::periodic, 1), both_sides(BoundaryKind::periodic, 1)},
-                             {1.0}, 2);
+    const DiffusionProblem p(self, unit_grid(points, points, true, true),
+                             {both_sides(BoundaryKind::periodic, 1), both_sides(BoundaryKind::periodic, 1)}, {1.0}, 2);
     return HaloCost(p.decomposition, 1, exchange).best_depth(8, 24, variables);
   }
 };

@@ -32,7 +32,8 @@ struct System {
         b(at.similar()) {
     for (int s = 0; s < 2; ++s) {
       for (int j = 0; j < b.n_y(); ++j) {
-        for (int i = 0; i < b.n_x(); ++i) at.at(s, i, j) = scatter(i, j, s), b.at(s, i, j) = (s == 0 ? 1.0 : 1e-6) * (scatter(i, j, s + 7) - 0.3);
+        for (int i = 0; i < b.n_x(); ++i)
+          at.at(s, i, j) = scatter(i, j, s), b.at(s, i, j) = (s == 0 ? 1.0 : 1e-6) * (scatter(i, j, s + 7) - 0.3);
       }
     }
   }
@@ -84,7 +85,8 @@ TEST(ImplicitPlaneTest, SolvesOnEveryKindOfBoundaryAndOddSizes) {
         System system(testing::unit_grid(n_x, n_y, x, y), x, y, {3.0, 0.4});
         Field solution = system.b.similar();
         const std::int64_t iterations = system.solve(0.02, 2.0, 1e-10, solution);
-        const std::string what = testing::name_of(x) + " x " + testing::name_of(y) + ", " + std::to_string(n_x) + " x " + std::to_string(n_y);
+        const std::string what =
+            testing::name_of(x) + " x " + testing::name_of(y) + ", " + std::to_string(n_x) + " x " + std::to_string(n_y);
         EXPECT_LE(system.residual(0.02, 2.0, solution), 1e-7) << what;
         EXPECT_LE(iterations, 20) << what;
         // Values of Dirichlet points are what they were.

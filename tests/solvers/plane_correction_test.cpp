@@ -52,7 +52,8 @@ TEST_P(PlaneCorrections, WithTheirSweepsLeaveLittleOfAnyErrorHoweverStiffDiffusi
   const Communicator comm(MPI_COMM_SELF);
   const auto zero = [](double, double, double) { return 0.0; };
   for (const std::vector<double>& coefficients : {std::vector<double>{3.0, 3.0}, {3.0, 0.003}, {0.0, 3.0}}) {
-    const DiffusionProblem problem(comm, setting.grid, {both_sides(setting.x, 2, zero), both_sides(setting.y, 2, zero)}, coefficients, setting.order);
+    const DiffusionProblem problem(comm, setting.grid, {both_sides(setting.x, 2, zero), both_sides(setting.y, 2, zero)}, coefficients,
+                                   setting.order);
     const ModelKernelsOf<Linear> model({});
     const auto kernel = model.make_sbdf();
     const auto equations = model.make_sbdf_equations();
@@ -97,7 +98,8 @@ TEST_P(PlaneCorrections, WithTheirSweepsLeaveLittleOfAnyErrorHoweverStiffDiffusi
         }
         const double after = size();
         // BDF5 bears 1/28.
-        EXPECT_LT(after, before / 36.0) << "stiffness " << stiffness << ", repetition " << repetition << ", D " << coefficients[0] << ' ' << coefficients[1];
+        EXPECT_LT(after, before / 36.0) << "stiffness " << stiffness << ", repetition " << repetition << ", D " << coefficients[0] << ' '
+                                        << coefficients[1];
         before = after;
       }
     }

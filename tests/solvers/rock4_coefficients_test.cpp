@@ -26,8 +26,7 @@ struct Tableau {
     std::vector<Vector> g(n + 1, Vector(s, 0.0L));
     for (std::size_t j = 1; j <= n; ++j)
       for (std::size_t k = 0; k < s; ++k)
-        g[j][k] = m.nu[j - 1] * g[j - 1][k] + (j > 1 ? m.kappa[j - 1] * g[j - 2][k] : 0.0L) +
-                  (k == j - 1 ? m.mu[j - 1] : 0.0L);
+        g[j][k] = m.nu[j - 1] * g[j - 1][k] + (j > 1 ? m.kappa[j - 1] * g[j - 2][k] : 0.0L) + (k == j - 1 ? m.mu[j - 1] : 0.0L);
     a.assign(g.begin(), g.begin() + static_cast<std::ptrdiff_t>(n));
     for (std::size_t i = 0; i < 4; ++i) {
       Vector row = g[n];
@@ -202,8 +201,7 @@ TEST(Rock4CoefficientsTest, HasThreeRipplesFewerThanStagesAllOfTheSameHeightButT
 /// y' = f(t, y): three coupled non-linear components that depend on time.
 template <class Real>
 std::array<Real, 3> three_body(Real t, const std::array<Real, 3>& y) {
-  return {-y[0] * y[1] + std::cos(2 * t), y[0] * y[0] - y[1] + Real(0.5) * std::sin(t) * y[2],
-          y[0] * y[2] - t * y[2] * y[2] + Real(0.3)};
+  return {-y[0] * y[1] + std::cos(2 * t), y[0] * y[0] - y[1] + Real(0.5) * std::sin(t) * y[2], y[0] * y[2] - t * y[2] * y[2] + Real(0.3)};
 }
 
 std::array<double, 3> advance(const Rock4Coefficients& m, std::array<double, 3> y, double t, double h) {
@@ -331,11 +329,10 @@ TEST(Rock4SweepTest, HasTheErrorConstantsOfTheSolutionsOfTheEqualRippleProblem) 
       const double x = (dot(t.b, weight) - 1.0 / gamma) / sigma;
       return x * x;
     };
-    const double sum = defect(product(c2, c2), 5, 24) + defect(product(c2, ac), 10, 2) +
-                       defect(product(ac, ac), 20, 2) + defect(product(c, t.times(c2)), 15, 2) +
-                       defect(product(c, t.times(ac)), 30, 1) + defect(t.times(product(c2, c)), 20, 6) +
-                       defect(t.times(product(c, ac)), 40, 1) + defect(t.times(t.times(c2)), 60, 2) +
-                       defect(t.times(t.times(ac)), 120, 1);
+    const double sum = defect(product(c2, c2), 5, 24) + defect(product(c2, ac), 10, 2) + defect(product(ac, ac), 20, 2) +
+                       defect(product(c, t.times(c2)), 15, 2) + defect(product(c, t.times(ac)), 30, 1) +
+                       defect(t.times(product(c2, c)), 20, 6) + defect(t.times(product(c, ac)), 40, 1) +
+                       defect(t.times(t.times(c2)), 60, 2) + defect(t.times(t.times(ac)), 120, 1);
     EXPECT_NEAR(std::sqrt(sum), row.order_five_error, 2e-6);
   }
 }

@@ -34,9 +34,7 @@ Rock4Tolerances tolerances(double tolerance, int n_species = 1) {
 }
 
 /// So loose that every call is one step, whatever its length (if the degree allows).
-Rock4Tolerances no_control(int n_species = 1) {
-  return {1.0, std::vector<double>(static_cast<std::size_t>(n_species), 1e9)};
-}
+Rock4Tolerances no_control(int n_species = 1) { return {1.0, std::vector<double>(static_cast<std::size_t>(n_species), 1e9)}; }
 
 /// One call of the flow, begun with the whole of dt as the first step to try.
 Work whole_step(Rock4& flow, double t, double dt, Field& from, Field& to) {
@@ -101,8 +99,7 @@ class Rock4OnEveryGridTest : public ::testing::TestWithParam<Setting> {
                 {0.1}, GetParam().order),
         initial(problem.field([](int, double x, double y) {
           return 1.0 + x - 0.5 * y +
-                 std::sin(pi * x) * (1.0 + x) *
-                     (GetParam().grid.dimension == 1 ? 1.0 : std::cos(2.0 * y) * y * (1 - y));
+                 std::sin(pi * x) * (1.0 + x) * (GetParam().grid.dimension == 1 ? 1.0 : std::cos(2.0 * y) * y * (1 - y));
         })) {
     problem.boundary.impose(initial, 0.0);
   }
@@ -167,18 +164,17 @@ TEST_P(Rock4OnEveryGridTest, InPlaceAndIntoAnotherFieldGiveTheSameBits) {
 
 INSTANTIATE_TEST_SUITE_P(
     Grids, Rock4OnEveryGridTest,
-    ::testing::Values(
-        Setting{"line_neumann_2", unit_grid(21, 1), BoundaryKind::neumann, BoundaryKind::neumann, 2},
-        Setting{"line_neumann_4", unit_grid(19, 1), BoundaryKind::neumann, BoundaryKind::neumann, 4},
-        Setting{"line_periodic_2", unit_grid(20, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 2},
-        Setting{"line_periodic_4", unit_grid(17, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
-        Setting{"line_dirichlet_2", unit_grid(21, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 2},
-        Setting{"line_dirichlet_4", unit_grid(18, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 4},
-        Setting{"plane_neumann_2", unit_grid(19, 11), BoundaryKind::neumann, BoundaryKind::neumann, 2},
-        Setting{"plane_periodic_neumann_4", unit_grid(18, 11, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
-        Setting{"plane_dirichlet_periodic_2", unit_grid(18, 11, false, true), BoundaryKind::dirichlet,
-                BoundaryKind::periodic, 2},
-        Setting{"plane_neumann_dirichlet_4", unit_grid(17, 12), BoundaryKind::neumann, BoundaryKind::dirichlet, 4}),
+    ::testing::Values(Setting{"line_neumann_2", unit_grid(21, 1), BoundaryKind::neumann, BoundaryKind::neumann, 2},
+                      Setting{"line_neumann_4", unit_grid(19, 1), BoundaryKind::neumann, BoundaryKind::neumann, 4},
+                      Setting{"line_periodic_2", unit_grid(20, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 2},
+                      Setting{"line_periodic_4", unit_grid(17, 1, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
+                      Setting{"line_dirichlet_2", unit_grid(21, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 2},
+                      Setting{"line_dirichlet_4", unit_grid(18, 1), BoundaryKind::dirichlet, BoundaryKind::neumann, 4},
+                      Setting{"plane_neumann_2", unit_grid(19, 11), BoundaryKind::neumann, BoundaryKind::neumann, 2},
+                      Setting{"plane_periodic_neumann_4", unit_grid(18, 11, true), BoundaryKind::periodic, BoundaryKind::neumann, 4},
+                      Setting{"plane_dirichlet_periodic_2", unit_grid(18, 11, false, true), BoundaryKind::dirichlet, BoundaryKind::periodic,
+                              2},
+                      Setting{"plane_neumann_dirichlet_4", unit_grid(17, 12), BoundaryKind::neumann, BoundaryKind::dirichlet, 4}),
     [](const auto& test) { return std::string(test.param.name); });
 
 std::array<std::array<BoundarySide, 2>, 2> neumann() {
@@ -196,8 +192,7 @@ TEST(Rock4Test, DecaysADiscreteEigenmodeByItsEigenvalue) {
     const int mode = 7;
     const Field u = p.field([](int, double x, double) { return std::cos(mode * pi * x); });
     const double theta = mode * pi / (n - 1);
-    const double symbol =
-        order == 2 ? 2.0 * std::cos(theta) - 2.0 : -2.5 + 8.0 / 3.0 * std::cos(theta) - std::cos(2.0 * theta) / 6.0;
+    const double symbol = order == 2 ? 2.0 * std::cos(theta) - 2.0 : -2.5 + 8.0 / 3.0 * std::cos(theta) - std::cos(2.0 * theta) / 6.0;
     const double decay = std::exp(D * (n - 1) * (n - 1) * symbol);
     Rock4 flow(p.decomposition, p.diffusion, tolerances(1e-13));
     Field end = p.field();
@@ -211,8 +206,7 @@ TEST(Rock4Test, HasOrderFourWithDirichletValuesThatDependOnTime) {
   const auto value = [](double t, double x, double) { return std::cos(3.0 * t) + x * std::sin(2.0 * t); };
   for (int order : {2, 4}) {
     DiffusionProblem p(self(), unit_grid(13, 1),
-                       {both_sides(BoundaryKind::dirichlet, 1, value, true), both_sides(BoundaryKind::neumann, 1)},
-                       {0.02}, order);
+                       {both_sides(BoundaryKind::dirichlet, 1, value, true), both_sides(BoundaryKind::neumann, 1)}, {0.02}, order);
     Rock4 flow(p.decomposition, p.diffusion, no_control());
     Field start = p.field([&](int, double x, double) { return value(1.0, x, 0.0) + 0.3 * std::sin(pi * x); });
     const auto run = [&](int steps) {
@@ -235,8 +229,7 @@ TEST(Rock4Test, StagesTakeDirichletValuesAtTheirOwnTimes) {
   const auto value = [](double t, double x, double) { return x * x + 2.0 * D * t; };
   for (int order : {2, 4}) {
     DiffusionProblem p(self(), unit_grid(41, 1),
-                       {both_sides(BoundaryKind::dirichlet, 1, value, true), both_sides(BoundaryKind::neumann, 1)}, {D},
-                       order);
+                       {both_sides(BoundaryKind::dirichlet, 1, value, true), both_sides(BoundaryKind::neumann, 1)}, {D}, order);
     const double rho = p.diffusion.spectral_radius();
     for (double h_rho : {4.0, 8.0, 30.0, 100.0}) {
       Rock4 flow(p.decomposition, p.diffusion, no_control());
@@ -256,9 +249,8 @@ TEST(Rock4Test, StagesTakeDirichletValuesAtTheirOwnTimes) {
 
 TEST(Rock4Test, TakesDirichletValuesAtTheStartFromTheBoundaryNotFromTheField) {
   const auto value = [](double t, double, double) { return std::cos(3.0 * t); };
-  DiffusionProblem p(self(), unit_grid(13, 1),
-                     {both_sides(BoundaryKind::dirichlet, 1, value, true), both_sides(BoundaryKind::neumann, 1)}, {0.1},
-                     2);
+  DiffusionProblem p(self(), unit_grid(13, 1), {both_sides(BoundaryKind::dirichlet, 1, value, true), both_sides(BoundaryKind::neumann, 1)},
+                     {0.1}, 2);
   Rock4 flow(p.decomposition, p.diffusion, no_control());
   Field u = p.field([](int, double x, double) { return 1.0 + 0.3 * std::sin(pi * x); });
   Field ahead = p.field();
@@ -278,10 +270,8 @@ TEST(Rock4Test, TakesDirichletValuesAtTheStartFromTheBoundaryNotFromTheField) {
 TEST(Rock4Test, KeepsTheIntegralToRoundingError) {
   for (int order : {2, 4}) {
     for (bool is_periodic : {false, true}) {
-      DiffusionProblem p(self(), unit_grid(48, 33, is_periodic, is_periodic), is_periodic ? periodic() : neumann(),
-                         {1e-2}, order);
-      Field u =
-          p.field([](int, double x, double y) { return 1.0 + scatter(std::lround(1e6 * x), std::lround(1e6 * y)); });
+      DiffusionProblem p(self(), unit_grid(48, 33, is_periodic, is_periodic), is_periodic ? periodic() : neumann(), {1e-2}, order);
+      Field u = p.field([](int, double x, double y) { return 1.0 + scatter(std::lround(1e6 * x), std::lround(1e6 * y)); });
       const auto integral = [&] {
         double sum = 0.0;
         for (int j = 0; j < u.n_y(); ++j) {
@@ -387,8 +377,7 @@ TEST(Rock4Test, StatesAdvancedTogetherEqualThoseAdvancedAloneWithTheSameSteps) {
   const double dt = 4.5 * flow.largest_step();
   std::vector<Field> from, together, alone;
   for (int k = 0; k < 3; ++k) {
-    from.push_back(p.field(
-        [k](int s, double x, double y) { return scatter(std::lround(1e6 * x), std::lround(1e6 * y), 2 * k + s); }));
+    from.push_back(p.field([k](int s, double x, double y) { return scatter(std::lround(1e6 * x), std::lround(1e6 * y), 2 * k + s); }));
     together.push_back(p.field());
     alone.push_back(p.field());
   }
@@ -533,7 +522,8 @@ TEST_P(Rock4InOnePassTest, BitsDoNotDependOnTheStagesInAPass) {
     const auto value = [&](double t, double x, double y) { return 1.0 + x * y + (in_time ? std::cos(t / dt) : 0.0); };
     if (in_time && GetParam().x != BoundaryKind::dirichlet && GetParam().y != BoundaryKind::dirichlet) continue;
     for (const int order : {2, 4}) {
-      const DiffusionProblem p(self(), GetParam().grid, {both_sides(GetParam().x, 3, value, in_time), both_sides(GetParam().y, 3, value, in_time)},
+      const DiffusionProblem p(self(), GetParam().grid,
+                               {both_sides(GetParam().x, 3, value, in_time), both_sides(GetParam().y, 3, value, in_time)},
                                {0.02, 0.0, 0.05}, order);
       dt = (in_time ? 2e2 : 4e3) / p.diffusion.spectral_radius();
       const auto run = [&](int depth, Work& work) {

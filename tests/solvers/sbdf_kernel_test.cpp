@@ -61,8 +61,7 @@ class SweepProblem {
     cell_jacobian(model_, w.t, x, y, u, jacobian);
     double laplacian = 0.0;
     diffusion_.dispatch([&]<int Order, int Dimension>() {
-      laplacian =
-          diffusion_.coefficient(s) > 0.0 ? diffusion_.stencil<Order, Dimension>(s, v)(v.row(s, j) + i)[0] : 0.0;
+      laplacian = diffusion_.coefficient(s) > 0.0 ? diffusion_.stencil<Order, Dimension>(s, v)(v.row(s, j) + i)[0] : 0.0;
     });
     double left = (1.0 + 0.5 * w.gamma * w.shift * diffusion_.spectral_radius(s)) * (out.at(s, i, j) - u[s]);
     for (int q = 0; q < m; ++q) left -= w.gamma * jacobian[s * m + q] * (out.at(q, i, j) - u[q]);
@@ -112,9 +111,7 @@ TEST(SbdfKernel, SolvesTheCellSystemsWithTheSameBitsHoweverTheBoxIsCut) {
   expect_solved_and_independent_of_the_cut<Bz>({2.5e-3, 2.5e-3, 1.5e-3});
 }
 
-TEST(SbdfKernel, KnowsTimeAndPlaceOfEveryCellAndSpeciesThatDoNotDiffuse) {
-  expect_solved_and_independent_of_the_cut<Pulse>({0.01, 0.0});
-}
+TEST(SbdfKernel, KnowsTimeAndPlaceOfEveryCellAndSpeciesThatDoNotDiffuse) { expect_solved_and_independent_of_the_cut<Pulse>({0.01, 0.0}); }
 
 TEST(SbdfKernel, LeavesPointsOutsideTheBoxAlone) {
   SweepProblem<Bz> p(2, 2, {1.0, 1.0, 1.0});

@@ -60,7 +60,8 @@ TEST(CrankNicolsonTest, MultipliesModesOfTheDifferencesByTheRulesFactor) {
   const int n = 33;
   for (int order : {2, 4, 8}) {
     testing::DiffusionProblem p(self, testing::unit_grid(n, 0, testing::neumann),
-                                {testing::both_sides(BoundaryKind::neumann, 1), testing::both_sides(BoundaryKind::neumann, 1)}, {0.3}, order);
+                                {testing::both_sides(BoundaryKind::neumann, 1), testing::both_sides(BoundaryKind::neumann, 1)}, {0.3},
+                                order);
     CoupledRhs rhs(p.decomposition, p.diffusion, model);
     CrankNicolson flow(p.field(), rhs, 1e-14);
     for (int k : {1, 9, 25}) {
@@ -73,7 +74,8 @@ TEST(CrankNicolsonTest, MultipliesModesOfTheDifferencesByTheRulesFactor) {
       Work work;
       ASSERT_FALSE(flow.advance(0.0, dt, u, u, work));
       const double factor = (1.0 + 0.5 * dt * lambda) / (1.0 - 0.5 * dt * lambda);
-      for (int i = 0; i < n; ++i) EXPECT_NEAR(u.at(0, i), factor * mode(0, p.grid.position(0, i), 0.0), 1e-11) << order << " " << k << " " << i;
+      for (int i = 0; i < n; ++i)
+        EXPECT_NEAR(u.at(0, i), factor * mode(0, p.grid.position(0, i), 0.0), 1e-11) << order << " " << k << " " << i;
     }
   }
 }

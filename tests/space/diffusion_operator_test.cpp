@@ -55,7 +55,8 @@ TEST_F(DiffusionOperatorTest, SpectralRadiusIsABoundAndAtMostATenthTooLarge) {
   for (const int order : {2, 4, 8}) {
     for (const Sides& x : testing::all_sides) {
       for (const int n : {16, 17}) {
-        const testing::AssembledDiffusion line(self, testing::unit_grid_of_order(order, n, 0, x), x, testing::neumann, testing::zero, order);
+        const testing::AssembledDiffusion line(self, testing::unit_grid_of_order(order, n, 0, x), x, testing::neumann, testing::zero,
+                                               order);
         const Eigen::VectorXcd eigenvalues = Eigen::MatrixXd(line.matrix).eigenvalues();
         const double exact = -eigenvalues.real().minCoeff();
         const double bound = line.diffusion.spectral_radius(0);
@@ -110,7 +111,8 @@ TEST_F(DiffusionOperatorTest, ConstantsGiveExactlyZero) {
   for (const int order : {2, 4, 8}) {
     for (const Sides& x : testing::all_sides) {
       for (const double c : {1.0, 0.1, -1e300, 3e-300, 4e-4}) {
-        const Applied a = apply(testing::unit_grid_of_order(order, 19, 13, x, testing::neumann), x, testing::neumann, order, [&](int, int) { return c; });
+        const Applied a =
+            apply(testing::unit_grid_of_order(order, 19, 13, x, testing::neumann), x, testing::neumann, order, [&](int, int) { return c; });
         for (int j = 0; j < 13; ++j) {
           for (int i = 0; i < a.u.n_x(); ++i) ASSERT_EQ(a.lu.at(0, i, j), 0.0) << c << ", " << testing::name_of(x) << ", order " << order;
         }
@@ -166,10 +168,10 @@ TEST_F(DiffusionOperatorTest, MirroredDataGiveMirroredBits) {
         const auto n = static_cast<int>(grid.points[0]);
         const auto m = static_cast<int>(grid.points[1]);
         const Applied a = apply(grid, x, y, order, rough);
-        const Applied b =
-            apply(testing::unit_grid_of_order(order, 21, 14, x_mirrored, y), x_mirrored, y, order, [n](int i, int j) { return rough(n - 1 - i, j); });
-        const Applied c =
-            apply(testing::unit_grid_of_order(order, 21, 14, x, y_mirrored), x, y_mirrored, order, [m](int i, int j) { return rough(i, m - 1 - j); });
+        const Applied b = apply(testing::unit_grid_of_order(order, 21, 14, x_mirrored, y), x_mirrored, y, order,
+                                [n](int i, int j) { return rough(n - 1 - i, j); });
+        const Applied c = apply(testing::unit_grid_of_order(order, 21, 14, x, y_mirrored), x, y_mirrored, order,
+                                [m](int i, int j) { return rough(i, m - 1 - j); });
         for (int j = 0; j < m; ++j) {
           for (int i = 0; i < n; ++i) {
             const double p = a.lu.at(0, i, j);

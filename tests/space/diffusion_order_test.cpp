@@ -59,7 +59,8 @@ double solution_error(const Communicator& self, int n_x, int n_y, const Sides& x
     const Profile1d b = profile(y, py);
     return a.second * b.value + a.value * b.second;
   };
-  const testing::AssembledDiffusion a(self, grid, x, y, [&](double, double px, double py) { return exact(px, py); }, order);
+  const testing::AssembledDiffusion a(
+      self, grid, x, y, [&](double, double px, double py) { return exact(px, py); }, order);
   const double sigma = a.boundary.has_dirichlet() ? 0.0 : 1.0;
   Eigen::SparseMatrix<double> m(a.size(), a.size());
   m.setIdentity();
@@ -80,7 +81,8 @@ class DiffusionOrderTest : public ::testing::TestWithParam<int> {
  protected:
   static void expect_order(const std::vector<double>& h, const std::vector<double>& error, const std::string& what) {
     const double order = testing::observed_order(h, error);
-    EXPECT_NEAR(order, GetParam(), GetParam() == 2 ? 0.1 : (GetParam() == 4 ? 0.2 : 0.5)) << what << fmt::format(", errors {:.2e}", fmt::join(error, " "));
+    EXPECT_NEAR(order, GetParam(), GetParam() == 2 ? 0.1 : (GetParam() == 4 ? 0.2 : 0.5))
+        << what << fmt::format(", errors {:.2e}", fmt::join(error, " "));
   }
   const Communicator self{MPI_COMM_SELF};
 };
@@ -100,7 +102,7 @@ TEST_P(DiffusionOrderTest, IsThatOfTheStencilForEveryBoundaryInOneDimension) {
 }
 
 TEST_P(DiffusionOrderTest, IsThatOfTheStencilForEveryBoundaryInTwoDimensions) {
-  const std::vector<std::array<Sides, 2>> pairs{{testing::periodic, testing::neumann},   {testing::neumann, testing::dirichlet},
+  const std::vector<std::array<Sides, 2>> pairs{{testing::periodic, testing::neumann},    {testing::neumann, testing::dirichlet},
                                                 {testing::dirichlet, testing::dirichlet}, {testing::dirichlet, testing::mixed},
                                                 {testing::mixed, testing::periodic},      {testing::neumann, testing::neumann}};
   for (const auto& [x, y] : pairs) {

@@ -79,7 +79,8 @@ TEST(BalancePlan, ChosenPacksAddUpToTheAmountsAndGoOnceOnly) {
 }
 
 TEST(BalancePlan, GroupsAreNoLargerThanAllowedAndAsFewAsThatNeeds) {
-  for (const std::array<int, 2> processes : {std::array{64, 1}, std::array{8, 8}, std::array{100, 1000}, std::array{317, 316}, std::array{1, 1}}) {
+  for (const std::array<int, 2> processes :
+       {std::array{64, 1}, std::array{8, 8}, std::array{100, 1000}, std::array{317, 316}, std::array{1, 1}}) {
     const std::array<int, 2> groups = balance_groups(processes, 1024);
     const int size = (processes[0] + groups[0] - 1) / groups[0] * ((processes[1] + groups[1] - 1) / groups[1]);
     EXPECT_LE(size, 1024);

@@ -95,8 +95,8 @@ TEST_F(CompositionTest, ShiftedStrangHasOrderOneWithAnErrorProportionalToEpsilon
 
 TEST_F(CompositionTest, CommutingFlowsAreSplitExactly) {
   const Eigen::Matrix2d polynomial = 0.5 * a_ + 0.2 * a_ * a_;
-  for (const Composition& c : {lie(SplittingOrder::reaction_last), strang(SplittingOrder::diffusion_last),
-                               shifted_strang(SplittingOrder::reaction_last, 0.2)}) {
+  for (const Composition& c :
+       {lie(SplittingOrder::reaction_last), strang(SplittingOrder::diffusion_last), shifted_strang(SplittingOrder::reaction_last, 0.2)}) {
     EXPECT_LT(error(c, a_, polynomial, 7), 1e-13);
   }
 }

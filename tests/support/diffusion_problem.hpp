@@ -12,8 +12,7 @@
 namespace stiffront::testing {
 
 /// Both sides of a direction of one kind, with these Dirichlet values if it is Dirichlet.
-inline std::array<BoundarySide, 2> both_sides(BoundaryKind kind, int n_species, BoundaryValue value = {},
-                                              bool depends_on_time = false) {
+inline std::array<BoundarySide, 2> both_sides(BoundaryKind kind, int n_species, BoundaryValue value = {}, bool depends_on_time = false) {
   BoundarySide side;
   side.kind = kind;
   if (kind == BoundaryKind::dirichlet) {
@@ -68,8 +67,7 @@ inline Grid unit_grid(std::int64_t n_x, std::int64_t n_y, bool periodic_x = fals
 
 /// A number in [0, 1) that depends on its arguments only: rough data that are the same on every layout.
 inline double scatter(std::int64_t a, std::int64_t b = 0, std::int64_t c = 0) {
-  std::uint64_t x = static_cast<std::uint64_t>(a) * 0x9E3779B97F4A7C15U +
-                    static_cast<std::uint64_t>(b) * 0xC2B2AE3D27D4EB4FU +
+  std::uint64_t x = static_cast<std::uint64_t>(a) * 0x9E3779B97F4A7C15U + static_cast<std::uint64_t>(b) * 0xC2B2AE3D27D4EB4FU +
                     static_cast<std::uint64_t>(c) * 0x165667B19E3779F9U + 1U;
   x ^= x >> 30U;
   x *= 0xBF58476D1CE4E5B9U;

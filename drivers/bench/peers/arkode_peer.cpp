@@ -80,8 +80,8 @@ int run(const peers::Setup& setup) {
   ARKStepGetNumRhsEvals(c.arkode, &explicit_evaluations, &implicit_evaluations);
   ARKStepGetNumNonlinSolvIters(c.arkode, &newton);
   if (!setup.final.empty()) setup.write_final(N_VGetArrayPointer(y), m);
-  std::printf("{\"status\": %d, \"seconds\": %.6f, \"steps\": %ld, \"rejected\": %ld, \"rhs\": %ld, \"newton\": %ld, \"linear\": 0}\n", status,
-              seconds, steps, failures, implicit_evaluations, newton);
+  std::printf("{\"status\": %d, \"seconds\": %.6f, \"steps\": %ld, \"rejected\": %ld, \"rhs\": %ld, \"newton\": %ld, \"linear\": 0}\n",
+              status, seconds, steps, failures, implicit_evaluations, newton);
   ARKStepFree(&c.arkode);
   SUNLinSolFree(linear);
   N_VDestroy(y);

@@ -42,9 +42,12 @@ struct ForcedExcitable {
     du[1] = u[0] + beta - gamma * u[1];
   }
 };
-inline constexpr std::array<Parameter<ForcedExcitable>, 6> ForcedExcitable::parameters{
-    {{"epsilon", &ForcedExcitable::epsilon}, {"beta", &ForcedExcitable::beta}, {"gamma", &ForcedExcitable::gamma},
-     {"force", &ForcedExcitable::force}, {"period", &ForcedExcitable::period}, {"sharpness", &ForcedExcitable::sharpness}}};
+inline constexpr std::array<Parameter<ForcedExcitable>, 6> ForcedExcitable::parameters{{{"epsilon", &ForcedExcitable::epsilon},
+                                                                                        {"beta", &ForcedExcitable::beta},
+                                                                                        {"gamma", &ForcedExcitable::gamma},
+                                                                                        {"force", &ForcedExcitable::force},
+                                                                                        {"period", &ForcedExcitable::period},
+                                                                                        {"sharpness", &ForcedExcitable::sharpness}}};
 
 /// Activator and inhibitor (Gierer & Meinhardt, Kybernetik 12, 1972).
 struct GiererMeinhardt {
@@ -104,9 +107,13 @@ struct EightSpecies {
     du[7] = r6 - r7;
   }
 };
-inline constexpr std::array<Parameter<EightSpecies>, 7> EightSpecies::parameters{
-    {{"k1", &EightSpecies::k1}, {"k2", &EightSpecies::k2}, {"k3", &EightSpecies::k3}, {"k4", &EightSpecies::k4},
-     {"k5", &EightSpecies::k5}, {"k6", &EightSpecies::k6}, {"k7", &EightSpecies::k7}}};
+inline constexpr std::array<Parameter<EightSpecies>, 7> EightSpecies::parameters{{{"k1", &EightSpecies::k1},
+                                                                                  {"k2", &EightSpecies::k2},
+                                                                                  {"k3", &EightSpecies::k3},
+                                                                                  {"k4", &EightSpecies::k4},
+                                                                                  {"k5", &EightSpecies::k5},
+                                                                                  {"k6", &EightSpecies::k6},
+                                                                                  {"k7", &EightSpecies::k7}}};
 
 /// Ozone and oxygen atoms in sunlight that comes and goes (the diurnal kinetics of Byrne & Hindmarsh), without advection; in
 /// units of 1e8 and 1e12 per cubic centimetre.

@@ -12,8 +12,8 @@ namespace peers {
 
 using stiffront::Dual;
 using stiffront::Pack;
-using stiffront::Place;
 using stiffront::pack_size;
+using stiffront::Place;
 
 /// The functions of a Problem for the rates of one model.
 template <class Model>

@@ -28,9 +28,12 @@ Setup Setup::parse(int argc, char** argv) {
     if (equals == std::string::npos) throw std::runtime_error(argument + " is not KEY=VALUE");
     const std::string key = argument.substr(0, equals);
     const std::string value = argument.substr(equals + 1);
-    if (key.starts_with("parameters.")) s.parameters[key.substr(11)] = std::stod(value);
-    else if (key == "model") s.model = value;
-    else if (key == "diffusion") s.diffusion = numbers(value);
+    if (key.starts_with("parameters."))
+      s.parameters[key.substr(11)] = std::stod(value);
+    else if (key == "model")
+      s.model = value;
+    else if (key == "diffusion")
+      s.diffusion = numbers(value);
     else if (key == "points") {
       const auto n = numbers(value);
       s.n_x = static_cast<int>(n.at(0));
@@ -47,14 +50,20 @@ Setup Setup::parse(int argc, char** argv) {
       const auto n = numbers(value);
       s.periodic_x = n.at(0) != 0.0;
       s.periodic_y = n.size() > 1 && n[1] != 0.0;
-    }
-    else if (key == "start") s.start = std::stod(value);
-    else if (key == "end") s.end = std::stod(value);
-    else if (key == "relative_tolerance") s.relative_tolerance = std::stod(value);
-    else if (key == "absolute_tolerance") s.absolute_tolerance = std::stod(value);
-    else if (key == "initial") s.initial = value;
-    else if (key == "final") s.final = value;
-    else s.other[key] = value;
+    } else if (key == "start")
+      s.start = std::stod(value);
+    else if (key == "end")
+      s.end = std::stod(value);
+    else if (key == "relative_tolerance")
+      s.relative_tolerance = std::stod(value);
+    else if (key == "absolute_tolerance")
+      s.absolute_tolerance = std::stod(value);
+    else if (key == "initial")
+      s.initial = value;
+    else if (key == "final")
+      s.final = value;
+    else
+      s.other[key] = value;
   }
   return s;
 }
@@ -75,8 +84,15 @@ void Setup::write_final(const double* u, int n_species) const {
 }
 
 Problem::Problem(const Setup& s, int n_species)
-    : m_(n_species), n_(s.points()), n_x_(s.n_x), n_y_(s.n_y), periodic_x_(s.periodic_x), periodic_y_(s.periodic_y),
-      lower_x_(s.lower_x), dx_((s.upper_x - s.lower_x) / (s.n_x - (s.periodic_x ? 0 : 1))), lower_y_(s.n_y > 1 ? s.lower_y : 0.0),
+    : m_(n_species),
+      n_(s.points()),
+      n_x_(s.n_x),
+      n_y_(s.n_y),
+      periodic_x_(s.periodic_x),
+      periodic_y_(s.periodic_y),
+      lower_x_(s.lower_x),
+      dx_((s.upper_x - s.lower_x) / (s.n_x - (s.periodic_x ? 0 : 1))),
+      lower_y_(s.n_y > 1 ? s.lower_y : 0.0),
       dy_(s.n_y > 1 ? (s.upper_y - s.lower_y) / (s.n_y - (s.periodic_y ? 0 : 1)) : 1.0) {
   if (static_cast<int>(s.diffusion.size()) != m_) throw std::runtime_error("diffusion needs a number for each species");
   for (double d : s.diffusion) {

@@ -22,7 +22,7 @@ struct Setup {
   bool periodic_x = false, periodic_y = false;
   double start = 0.0, end = 1.0;
   double relative_tolerance = 1e-4, absolute_tolerance = 1e-6;
-  std::string initial, final;             ///< files of raw doubles, planar
+  std::string initial, final;                ///< files of raw doubles, planar
   std::map<std::string, std::string> other;  ///< for one solver only: its order, its linear solver
 
   static Setup parse(int argc, char** argv);

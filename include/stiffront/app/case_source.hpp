@@ -13,7 +13,6 @@ namespace stiffront::app {
 CaseSource read_case_source(const std::string& name, const std::vector<std::string>& overrides);
 
 /// The same on every rank: root reads and sends the bytes. @throws Error(io) on every rank. @mpi collective
-CaseSource read_case_source(const std::string& name, const std::vector<std::string>& overrides,
-                            const Communicator& comm);
+CaseSource read_case_source(const std::string& name, const std::vector<std::string>& overrides, const Communicator& comm);
 
 }  // namespace stiffront::app

@@ -75,7 +75,7 @@ Command parse_command_line(int argc, const char* const* argv);
 /// What the help of a command says.
 struct CommandHelp {
   struct Entry {
-    std::string name;  ///< "CASE.toml" or "-o,--output"
+    std::string name;   ///< "CASE.toml" or "-o,--output"
     std::string value;  ///< of an option that takes one, "DIR"; otherwise empty
     std::string description;
   };

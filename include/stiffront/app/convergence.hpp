@@ -15,8 +15,8 @@ namespace stiffront::app {
 /// One entry of an order study.
 struct ConvergenceRow {
   double step = 0.0;
-  std::string variant;  ///< name of the method, or "k=N" for N iterations of dcs
-  double error = 0.0;   ///< largest over the species; NaN if the run failed
+  std::string variant;          ///< name of the method, or "k=N" for N iterations of dcs
+  double error = 0.0;           ///< largest over the species; NaN if the run failed
   std::optional<double> order;  ///< from the row before of the same variant
   std::vector<std::pair<std::string, double>> per_species;
   std::string failure;  ///< why there is no error

@@ -61,8 +61,8 @@ class MethodStack {
   std::unique_ptr<Flow> diffusion_;
   std::unique_ptr<DiffusionOperator> quadrature_diffusion_;  // dcs with a higher order in its quadrature
   std::unique_ptr<CoupledRhs> quadrature_rhs_;
-  std::unique_ptr<ImplicitPart> implicit_part_;              // sdc
-  std::unique_ptr<StepPropagator> propagator_;               // sdc with a composition of flows
+  std::unique_ptr<ImplicitPart> implicit_part_;  // sdc
+  std::unique_ptr<StepPropagator> propagator_;   // sdc with a composition of flows
   std::unique_ptr<Method> method_;
   DeferredCorrection* deferred_correction_ = nullptr;
   MethodOptions chosen_;

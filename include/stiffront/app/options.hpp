@@ -144,7 +144,7 @@ struct AdaptiveStrangOptions {
   double beta = 0.1;
   double gamma = 0.95;
   double theta = 10.0;
-  double max_growth = 5.0;  ///< of the step from one attempt to the next
+  double max_growth = 5.0;            ///< of the step from one attempt to the next
   std::optional<double> final_error;  ///< of the whole run, in tolerances; 0 = neither estimated nor kept; complete case: set
   SplittingOrder order = SplittingOrder::reaction_last;
   std::vector<std::string> species;  ///< those that enter the error; complete case: never empty
@@ -189,9 +189,9 @@ struct SdcOptions {
   int node_count = 4;
   std::optional<double> step;
   std::optional<double> tolerance;
-  double initial_step = 0.0;            ///< 0 = chosen by the program
-  std::optional<int> starting_order;    ///< complete case: always set
-  std::optional<int> corrections;       ///< complete case: always set
+  double initial_step = 0.0;          ///< 0 = chosen by the program
+  std::optional<int> starting_order;  ///< complete case: always set
+  std::optional<int> corrections;     ///< complete case: always set
   bool consistent = true;
   SdcCorrection correction = SdcCorrection::standard;
   SdcFinalUpdate final_update = SdcFinalUpdate::automatic;
@@ -236,8 +236,8 @@ struct AutoOptions {
 };
 
 /// [method]: the alternative is the name.
-using MethodOptions = std::variant<AdaptiveStrangOptions, LieOptions, StrangOptions, DcsOptions, SdcOptions,
-                                   SbdfOptions, CvodeOptions, AutoOptions>;
+using MethodOptions =
+    std::variant<AdaptiveStrangOptions, LieOptions, StrangOptions, DcsOptions, SdcOptions, SbdfOptions, CvodeOptions, AutoOptions>;
 
 enum class DiffusionSolver { rock4, crank_nicolson };
 

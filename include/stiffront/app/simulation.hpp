@@ -11,8 +11,8 @@ namespace stiffront::app {
 
 /// What the command line says about a run besides the case.
 struct RunOptions {
-  std::string restart;          ///< "latest", a checkpoint folder, or empty for a fresh run
-  bool force = false;           ///< replace the results of another run
+  std::string restart;  ///< "latest", a checkpoint folder, or empty for a fresh run
+  bool force = false;   ///< replace the results of another run
   bool quiet = false;
   ProgressMode progress = ProgressMode::automatic;
 };

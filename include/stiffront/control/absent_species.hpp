@@ -18,7 +18,7 @@ namespace stiffront {
 /// @param work the splitting's work is added
 /// @return one floor a species: 0 for those that are there, or do not appear.
 /// @mpi collective. @cost nothing but a pass over u if all species are there.
-std::vector<double> floors_of_absent_species(const SplitFlows& flows, double t, double t_end, double first, Field& u, const Communicator& comm,
-                                             Work& work);
+std::vector<double> floors_of_absent_species(const SplitFlows& flows, double t, double t_end, double first, Field& u,
+                                             const Communicator& comm, Work& work);
 
 }  // namespace stiffront

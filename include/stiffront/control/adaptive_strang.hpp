@@ -15,22 +15,22 @@ namespace stiffront {
 
 /// Parameters of adaptive Strang splitting, by their names in the paper.
 struct AdaptiveStrangOptions {
-  double tolerance = 1e-4;         ///< eta: bound on the estimated local error in StateNorm
-  double initial_step = 0.0;       ///< dt0; 0: chosen from the reaction Jacobian
-  double epsilon = 0.05;           ///< shift of the embedded scheme, to begin with
-  double epsilon_max = 0.49;       ///< below 1/2, so that no flow runs backwards
-  bool critical_step = true;       ///< whether the critical step and epsilon are controlled (section 5)
-  int period = 10;                 ///< N: accepted steps between estimates of the critical step
-  double safety = 0.9;             ///< upsilon, of the step size
-  double critical_safety = 0.9;    ///< zeta, of the critical step
-  double beta = 0.1;               ///< working region [beta dt*, gamma dt*]
+  double tolerance = 1e-4;       ///< eta: bound on the estimated local error in StateNorm
+  double initial_step = 0.0;     ///< dt0; 0: chosen from the reaction Jacobian
+  double epsilon = 0.05;         ///< shift of the embedded scheme, to begin with
+  double epsilon_max = 0.49;     ///< below 1/2, so that no flow runs backwards
+  bool critical_step = true;     ///< whether the critical step and epsilon are controlled (section 5)
+  int period = 10;               ///< N: accepted steps between estimates of the critical step
+  double safety = 0.9;           ///< upsilon, of the step size
+  double critical_safety = 0.9;  ///< zeta, of the critical step
+  double beta = 0.1;             ///< working region [beta dt*, gamma dt*]
   double gamma = 0.95;
-  double theta = 10.0;             ///< aims at dt* = zeta theta dt when epsilon is chosen anew
-  double max_growth = 5.0;         ///< of the step from one attempt to the next; the paper has no limit
-  double final_error = 0.0;        ///< of the whole run, in tolerances, by a CoarseCompanion; 0: neither estimated nor kept
-  double inner_tolerance = 0.0;    ///< relative, of the two flows: smaller differences of states are not taken for splitting errors
+  double theta = 10.0;           ///< aims at dt* = zeta theta dt when epsilon is chosen anew
+  double max_growth = 5.0;       ///< of the step from one attempt to the next; the paper has no limit
+  double final_error = 0.0;      ///< of the whole run, in tolerances, by a CoarseCompanion; 0: neither estimated nor kept
+  double inner_tolerance = 0.0;  ///< relative, of the two flows: smaller differences of states are not taken for splitting errors
   SplittingOrder order = SplittingOrder::reaction_last;
-  std::vector<int> species;        ///< those that enter the error; empty: all
+  std::vector<int> species;  ///< those that enter the error; empty: all
 };
 
 /// What final_error should be unless told otherwise: 3, and 2 (1e-6/tolerance)^(1/3) where that is more, from 3e-7 downwards.
@@ -81,22 +81,22 @@ class AdaptiveStrang final : public Method {
   ReactionFlow* reaction_;
   AdaptiveStrangOptions options_;
   StateNorm norm_;
-  Agreement agreement_;                 // of an attempt; kept, so that the loop takes no memory
+  Agreement agreement_;  // of an attempt; kept, so that the loop takes no memory
   Composition strang_;
-  Field embedded_;                      // w
-  std::optional<Field> two_steps_;      // B: only if the critical step is controlled
+  Field embedded_;                  // w
+  std::optional<Field> two_steps_;  // B: only if the critical step is controlled
 
   std::optional<CoarseCompanion> companion_;
-  double attempted_dt_ = 0.0;           // of the last attempt
-  Work work_ahead_;                     // of first_step, counted with the attempt that follows
+  double attempted_dt_ = 0.0;  // of the last attempt
+  Work work_ahead_;            // of first_step, counted with the attempt that follows
   double epsilon_;
   double critical_dt_ = std::numeric_limits<double>::infinity();
   double c0_ = 0.0;
   double c_epsilon_ = 0.0;
   int accepted_ = 0;
-  int estimated_at_ = -1;               // value of accepted_ at the last estimate
-  bool estimate_asked_ = false;         // the paper's flag
-  double refused_dt_ = 0.0;             // step of the last estimate, if it drowned in the errors of the flows
+  int estimated_at_ = -1;        // value of accepted_ at the last estimate
+  bool estimate_asked_ = false;  // the paper's flag
+  double refused_dt_ = 0.0;      // step of the last estimate, if it drowned in the errors of the flows
 };
 
 }  // namespace stiffront

@@ -9,10 +9,10 @@ namespace stiffront {
 /// Errors of a step at its own and the neighbouring orders, relative to the tolerance.
 struct BdfErrors {
   double same = 0.0;
-  double lower = std::numeric_limits<double>::infinity();  ///< at order - 1; infinite if unknown
-  double upper = std::numeric_limits<double>::infinity();  ///< at order + 1; infinite if unknown
+  double lower = std::numeric_limits<double>::infinity();   ///< at order - 1; infinite if unknown
+  double upper = std::numeric_limits<double>::infinity();   ///< at order + 1; infinite if unknown
   double second = std::numeric_limits<double>::infinity();  ///< at order 2; infinite if unknown
-  int quiet_order = 0;  ///< the highest that does not ring; 0 if unknown
+  int quiet_order = 0;                                      ///< the highest that does not ring; 0 if unknown
 };
 
 /// Step size and order of a variable-step, variable-order BDF method, from error estimates alone.
@@ -76,14 +76,14 @@ class BdfControl {
 
   int max_order_;
   int order_ = 1;
-  int held_ = 0;        ///< accepted steps since step or order changed
-  int rejections_ = 0;  ///< in a row
+  int held_ = 0;             ///< accepted steps since step or order changed
+  int rejections_ = 0;       ///< in a row
   bool is_starting_ = true;  ///< the step has grown whenever it might, since the first one
   double room_ = 0.0;        ///< the step the last error would allow, over the step chosen
 
   Phase phase_ = Phase::free;
   Suspicion suspicion_ = Suspicion::none;
-  int watched_ = 0;          ///< accepted steps since watched_dt_ was the step
+  int watched_ = 0;  ///< accepted steps since watched_dt_ was the step
   double watched_dt_ = 0.0;
   double largest_dt_ = 0.0;  ///< of the steps watched
   double suspected_dt_ = 0.0;

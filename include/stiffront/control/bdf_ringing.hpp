@@ -19,7 +19,6 @@ bool bdf_rings(int order, std::complex<double> step_lambda);
 ///
 /// Looks at the eigenvalues of the reaction Jacobian in a quarter of the points of the whole grid, at least 128 and at
 /// most some 1000, chosen by global index. This rank's points only; no communication.
-int highest_quiet_order(int max_order, double t, double dt, const Field& u, const ReactionTerm& model,
-                        const FreeBox& box);
+int highest_quiet_order(int max_order, double t, double dt, const Field& u, const ReactionTerm& model, const FreeBox& box);
 
 }  // namespace stiffront

@@ -74,23 +74,23 @@ class CoarseCompanion {
   Composition composition_;
   double budget_;
   Field w_;
-  std::vector<double> hints_;          // the reaction's, of the companion's own steps
+  std::vector<double> hints_;  // the reaction's, of the companion's own steps
   std::vector<double> diffusion_state_;
   bool begun_ = false;
   bool given_up_ = false;
   bool lands_ = false;
-  int pending_ = 0;                    // steps of the first solution since the companion's last
-  double t_ = 0.0;                     // where the companion is
+  int pending_ = 0;  // steps of the first solution since the companion's last
+  double t_ = 0.0;   // where the companion is
   double t_begin_ = 0.0;
   double t_end_ = 0.0;
-  double pending_cubes_ = 0.0;         // sum h^3 over them
-  double fine_cubes_ = 0.0;            // sum h^3
-  double coarse_cubes_ = 0.0;          // sum H^3
+  double pending_cubes_ = 0.0;  // sum h^3 over them
+  double fine_cubes_ = 0.0;     // sum h^3
+  double coarse_cubes_ = 0.0;   // sum H^3
   double error_ = 0.0;
-  std::array<Mark, 2> marks_{};        // the first from a tenth to a fifth of the time so far ago
+  std::array<Mark, 2> marks_{};  // the first from a tenth to a fifth of the time so far ago
   double marked_at_ = 0.0;
   bool expects_ = false;
-  bool limited_ = false;               // whether the limit has been felt
+  bool limited_ = false;  // whether the limit has been felt
   double limit_ = std::numeric_limits<double>::infinity();
 };
 

@@ -39,9 +39,9 @@ class DeferredCorrection final : public Method {
 
   /// What an iterate tells of its own error.
   struct Estimate {
-    double residual = 0.0;                                              ///< e_k
-    double error = std::numeric_limits<double>::quiet_NaN();            ///< err_k by (43); NaN where r >= 1
-    double step_limit = std::numeric_limits<double>::quiet_NaN();       ///< dt_max,k = 1/zeta_k; NaN for k = 0
+    double residual = 0.0;                                         ///< e_k
+    double error = std::numeric_limits<double>::quiet_NaN();       ///< err_k by (43); NaN where r >= 1
+    double step_limit = std::numeric_limits<double>::quiet_NaN();  ///< dt_max,k = 1/zeta_k; NaN for k = 0
   };
   /// The estimates of k = 0 .. most corrections of one step from u, none of them accepted or rejected: for order studies. @mpi collective.
   std::vector<Estimate> estimates(double t, double dt, Field& u, int most);
@@ -69,12 +69,12 @@ class DeferredCorrection final : public Method {
   Composition composition_;
   StateNorm norm_;
   DeferredCorrectionControl control_;
-  Agreement agreement_;        // of an iteration; kept, like terms_, so that the loop takes no memory
+  Agreement agreement_;  // of an iteration; kept, like terms_, so that the loop takes no memory
   std::vector<Term> terms_;
   FreeBox free_;
-  std::vector<Field> v_;       // stages
-  std::vector<Field> f_;       // right-hand sides at the stages
-  std::vector<Field> s_;       // s_[i]: splitting result from stage i - 1 to stage i
+  std::vector<Field> v_;                          // stages
+  std::vector<Field> f_;                          // right-hand sides at the stages
+  std::vector<Field> s_;                          // s_[i]: splitting result from stage i - 1 to stage i
   std::vector<std::vector<double>> inner_steps_;  // the reaction's, cell by cell, with which the splitting step to a node begins
   std::vector<double> diffusion_at_first_;        // state of the diffusion's step control with which all of them begin
   std::vector<std::vector<double>> modes_;  // weights of the stages in the last Legendre coefficients of F: degree s - 1, s - 2, s - 3

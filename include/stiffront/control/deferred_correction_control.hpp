@@ -25,11 +25,11 @@ struct DeferredCorrectionOptions {
   bool strang = false;          ///< Strang (p = 2) inside instead of Lie (p = 1); reaction last in both
   StepRule step_rule = StepRule::k;
   Exponent exponent = Exponent::observed;
-  double safety = 0.9;          ///< nu: the next step aims at an error of nu eta; with published exponents, a factor on the step
-  bool predict = true;          ///< give up early when the remaining iterations cannot reach the tolerance (section 5.1)
-  double initial_step = 0.0;    ///< 0: from the fastest time scale
-  double max_growth = 5.0;      ///< of the step
-  std::vector<int> species;     ///< in the error norm; empty: all
+  double safety = 0.9;        ///< nu: the next step aims at an error of nu eta; with published exponents, a factor on the step
+  bool predict = true;        ///< give up early when the remaining iterations cannot reach the tolerance (section 5.1)
+  double initial_step = 0.0;  ///< 0: from the fastest time scale
+  double max_growth = 5.0;    ///< of the step
+  std::vector<int> species;   ///< in the error norm; empty: all
 };
 
 /// Decides after every iterate of an attempt what to do next, and how long the next step is: equations (43), (44), (46), (47), section 5.1
@@ -74,7 +74,7 @@ class DeferredCorrectionControl {
 
   /// What is remembered from step to step; state of the run.
   struct Memory {
-    int hold = 0;                   ///< accepted steps in which the step stays below rejected_step, with no more corrections than now
+    int hold = 0;  ///< accepted steps in which the step stays below rejected_step, with no more corrections than now
     double rejected_step = 0.0;
     int iterations = 0;             ///< of the last accepted step
     double step = 0.0;              ///< the last accepted one

@@ -12,8 +12,8 @@ namespace stiffront {
 struct Schedule {
   double start = 0.0;
   double end = 1.0;
-  std::vector<double> breakpoints;    ///< ascending; a step lands on each, then the method restarts
-  double restart_period = 0.0;        ///< if positive: every period the method restarts with the step restart_step
+  std::vector<double> breakpoints;  ///< ascending; a step lands on each, then the method restarts
+  double restart_period = 0.0;      ///< if positive: every period the method restarts with the step restart_step
   double restart_step = 0.0;
   std::vector<double> landing_times;  ///< ascending; a step lands on each and the method goes on
   std::int64_t max_steps = 0;         ///< attempts; 0: no limit
@@ -22,11 +22,11 @@ struct Schedule {
 
 /// One attempt as the world sees it.
 struct StepRecord {
-  std::int64_t step = 0;   ///< number of accepted steps before this one
-  double t = 0.0;          ///< where it began
+  std::int64_t step = 0;  ///< number of accepted steps before this one
+  double t = 0.0;         ///< where it began
   double dt = 0.0;
-  double begin = 0.0;      ///< t, or just behind it where the data jump: rates at the beginning of the step are those at this time
-  double end = 0.0;        ///< the same at its end: t + dt, or just before
+  double begin = 0.0;  ///< t, or just behind it where the data jump: rates at the beginning of the step are those at this time
+  double end = 0.0;    ///< the same at its end: t + dt, or just before
   Attempt attempt;
 };
 
@@ -54,7 +54,7 @@ struct Progress {
   std::int64_t accepted = 0;
   std::int64_t rejected = 0;
   double t = 0.0;
-  double dt = 0.0;       ///< step to try next; 0: ask the method
+  double dt = 0.0;         ///< step to try next; 0: ask the method
   double resume_dt = 0.0;  ///< step planned before one was cut short; 0: none
 };
 

@@ -14,8 +14,8 @@ namespace stiffront {
 class FixedStep final : public Method {
  public:
   /// @param composition of the reaction and the diffusion flow, which must outlive the method.
-  FixedStep(const Decomposition& decomposition, const Boundary& boundary, ReactionFlow& reaction, Flow& diffusion,
-            Composition composition, double step);
+  FixedStep(const Decomposition& decomposition, const Boundary& boundary, ReactionFlow& reaction, Flow& diffusion, Composition composition,
+            double step);
 
   double first_step(double t, double t_end, Field& u) override;
   Attempt attempt(double t, double dt, Field& u, Field& u_new, std::uint64_t& flags) override;

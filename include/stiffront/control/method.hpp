@@ -17,11 +17,11 @@ namespace stiffront {
 /// Flags or-ed over all ranks in the agreement of a step attempt. The lower half belongs to methods, the upper half to whoever
 /// drives the loop (signals, limits) and is only passed through.
 namespace step_flags {
-inline constexpr std::uint64_t cell_failed = 1U << 0;      ///< a cell could not be integrated
-inline constexpr std::uint64_t not_finite = 1U << 1;       ///< the new state holds a NaN or an infinity
-inline constexpr std::uint64_t negative = 1U << 2;         ///< the new state holds a negative value
-inline constexpr std::uint64_t refuse_negative = 1U << 3;  ///< asked of the method: then the attempt is rejected
-inline constexpr std::uint64_t companion_failed = 1U << 4; ///< the second solution that tells the error could not be advanced
+inline constexpr std::uint64_t cell_failed = 1U << 0;       ///< a cell could not be integrated
+inline constexpr std::uint64_t not_finite = 1U << 1;        ///< the new state holds a NaN or an infinity
+inline constexpr std::uint64_t negative = 1U << 2;          ///< the new state holds a negative value
+inline constexpr std::uint64_t refuse_negative = 1U << 3;   ///< asked of the method: then the attempt is rejected
+inline constexpr std::uint64_t companion_failed = 1U << 4;  ///< the second solution that tells the error could not be advanced
 inline constexpr std::uint64_t first_of_driver = 1ULL << 32;
 }  // namespace step_flags
 
@@ -36,14 +36,14 @@ std::optional<CellFailure> find_refused_value(std::uint64_t flags, const Field& 
 /// What became of one attempt to make a step. The same on all ranks, but for work (see Work) and failure.
 struct Attempt {
   bool accepted = false;
-  double error = 0.0;       ///< estimate of the local error in the method's norm; 0 for fixed steps
-  double dt_next = 0.0;     ///< size proposed for the next attempt, from here if accepted, from the same time if not
-  double dt_taken = 0.0;    ///< if positive: an accepted attempt went this far instead of dt
-  int iterations = 0;       ///< corrections, or the order of a multistep method
-  double epsilon = 0.0;     ///< shift of the embedded splitting, where there is one
-  double critical_dt = 0.0; ///< critical splitting step, where there is one
+  double error = 0.0;        ///< estimate of the local error in the method's norm; 0 for fixed steps
+  double dt_next = 0.0;      ///< size proposed for the next attempt, from here if accepted, from the same time if not
+  double dt_taken = 0.0;     ///< if positive: an accepted attempt went this far instead of dt
+  int iterations = 0;        ///< corrections, or the order of a multistep method
+  double epsilon = 0.0;      ///< shift of the embedded splitting, where there is one
+  double critical_dt = 0.0;  ///< critical splitting step, where there is one
   Work work;
-  std::string reason;       ///< why it was rejected, or a warning; empty if nothing is to be said
+  std::string reason;                  ///< why it was rejected, or a warning; empty if nothing is to be said
   std::optional<CellFailure> failure;  ///< on the ranks that saw one
 };
 

@@ -17,12 +17,12 @@
 namespace stiffront {
 
 struct ParallelDeferredCorrectionOptions {
-  int node_count = 4;      ///< m, 2 .. max_parallel_nodes
-  double fixed_step = 0.0; ///< 0: adaptive
-  double tolerance = 0.0;  ///< of adaptive steps
-  int starting_order = 3;  ///< k, 1 .. m
-  int corrections = 5;     ///< sweeps; of adaptive steps, those planned: there may be twice as many
-  double shift = 0.25;     ///< factor on the diagonal of the diffusion in the preconditioner
+  int node_count = 4;         ///< m, 2 .. max_parallel_nodes
+  double fixed_step = 0.0;    ///< 0: adaptive
+  double tolerance = 0.0;     ///< of adaptive steps
+  int starting_order = 3;     ///< k, 1 .. m
+  int corrections = 5;        ///< sweeps; of adaptive steps, those planned: there may be twice as many
+  double shift = 0.25;        ///< factor on the diagonal of the diffusion in the preconditioner
   double initial_step = 0.0;  ///< of adaptive steps; 0: from the reaction's fastest rate
   double safety = 0.9;
   double max_growth = 2.0;  ///< of adaptive steps
@@ -77,13 +77,13 @@ class ParallelDeferredCorrection final : public Method {
   HaloExchange node_halos_;  ///< of all nodes
   StateNorm norm_;
   FreeBox free_;
-  std::vector<Field> v_;        ///< nodes
-  std::vector<Field> next_;     ///< nodes after a sweep; in the start, scratch
-  std::vector<Field> history_;  ///< nodes of the step before, from its end backwards, its end itself left out
+  std::vector<Field> v_;               ///< nodes
+  std::vector<Field> next_;            ///< nodes after a sweep; in the start, scratch
+  std::vector<Field> history_;         ///< nodes of the step before, from its end backwards, its end itself left out
   std::vector<double> history_times_;  ///< relative to the beginning of the present step
   double attempted_dt_ = 0.0;
-  double longest_step_ = 0.0;   ///< of adaptive steps: for the stability of the diffusion
-  std::int64_t accepted_ = 0;   ///< adaptive steps of this run, and those of them that were no longer for that reason
+  double longest_step_ = 0.0;  ///< of adaptive steps: for the stability of the diffusion
+  std::int64_t accepted_ = 0;  ///< adaptive steps of this run, and those of them that were no longer for that reason
   std::int64_t limited_ = 0;
 };
 

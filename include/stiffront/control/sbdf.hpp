@@ -175,7 +175,7 @@ class Sbdf final : public Method {
   Field right_side_;
   Field work_;
 
-  std::optional<SbdfWavefront> wavefront_;  ///< where the box is served by one
+  std::optional<SbdfWavefront> wavefront_;           ///< where the box is served by one
   std::array<Made, SbdfWavefront::max_steps> made_;  ///< the step attempted and those made ahead
   std::vector<Field> ahead_;                         ///< states of those made ahead; none where none are
   std::size_t made_count_ = 0;                       ///< steps made at once

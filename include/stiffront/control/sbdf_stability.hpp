@@ -62,8 +62,7 @@ Recursion<T> recursion(const StepWeights& weights, T phi, T y);
 
 /// The recursion of the mode mu under the given sweeps.
 template <typename T>
-Recursion<T> mode_recursion(const StepWeights& weights, double z, double mu, T reaction,
-                            std::span<const double> shifts);
+Recursion<T> mode_recursion(const StepWeights& weights, double z, double mu, T reaction, std::span<const double> shifts);
 
 /// True if all roots of the recursion's polynomial have modulus < radius.
 ///

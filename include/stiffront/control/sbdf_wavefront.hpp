@@ -57,8 +57,8 @@ class SbdfWavefront {
   /// @param max_sweeps the most sweeps of a step
   /// @param depth sweeps per pass over memory; 0: as many as the cache holds
   /// @param together steps per pass over memory, at most; 0: several where the history does not stay in cache
-  SbdfWavefront(const Field& shape, const DiffusionOperator& diffusion, const SbdfKernel& kernel, int max_sweeps,
-                int depth = 0, int together = 0);
+  SbdfWavefront(const Field& shape, const DiffusionOperator& diffusion, const SbdfKernel& kernel, int max_sweeps, int depth = 0,
+                int together = 0);
 
   /// Whether steps of so many sweeps can be made: next to other ranks as many as the halos are deep.
   bool covers(int sweeps) const { return !has_neighbours_ || sweeps <= depth_; }
@@ -119,23 +119,23 @@ class SbdfWavefront {
   RowHalo row_halo_;
   bool periodic_y_;
   std::ptrdiff_t row_bytes_ = 0;  ///< of the longest row of any rank, all species
-  int rows_ = 1;               ///< taken through all sweeps at a time
+  int rows_ = 1;                  ///< taken through all sweeps at a time
   int depth_;
   int together_;
-  std::vector<WavefrontPass> passes_;  ///< of the pass over memory under way
+  std::vector<WavefrontPass> passes_;                ///< of the pass over memory under way
   std::vector<std::pair<std::size_t, int>> places_;  ///< of each: the leg, and the state it makes
-  std::vector<Rings> rings_;        ///< by leg; none in one dimension
-  std::vector<RowRing> tests_;      ///< predictors of lower and upper order
+  std::vector<Rings> rings_;                         ///< by leg; none in one dimension
+  std::vector<RowRing> tests_;                       ///< predictors of lower and upper order
 
   bool left_, right_, lower_, upper_;  ///< whether another rank is there
   bool has_neighbours_;
-  int reach_ = 0;                      ///< halo of predictor and right side
+  int reach_ = 0;  ///< halo of predictor and right side
   struct Exchange {
     int sweeps;
     std::unique_ptr<HaloExchange> halos;
   };
-  std::vector<Exchange> exchanges_;    ///< from the shallowest to the deepest
-  std::vector<Field> line_states_;     ///< two, on a line next to others
+  std::vector<Exchange> exchanges_;  ///< from the shallowest to the deepest
+  std::vector<Field> line_states_;   ///< two, on a line next to others
 };
 
 }  // namespace stiffront

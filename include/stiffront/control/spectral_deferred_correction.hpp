@@ -29,18 +29,18 @@ struct SpectralDeferredCorrectionOptions {
   };
 
   NodeFamily nodes = NodeFamily::gauss_radau;
-  int node_count = 4;          ///< m, 2 .. 10
-  double fixed_step = 0.0;     ///< Delta T; 0: adaptive
-  double tolerance = 0.0;      ///< of adaptive steps
-  int starting_order = 2;      ///< k, 1 .. m (Lobatto: m - 1)
-  int corrections = 5;         ///< L; of adaptive steps, the most
-  bool consistent = true;      ///< corrections repeat the explicit part
+  int node_count = 4;       ///< m, 2 .. 10
+  double fixed_step = 0.0;  ///< Delta T; 0: adaptive
+  double tolerance = 0.0;   ///< of adaptive steps
+  int starting_order = 2;   ///< k, 1 .. m (Lobatto: m - 1)
+  int corrections = 5;      ///< L; of adaptive steps, the most
+  bool consistent = true;   ///< corrections repeat the explicit part
   Correction correction = Correction::standard;
   FinalUpdate final_update = FinalUpdate::automatic;
-  bool accelerate = false;     ///< corrections by nonlinear GMRES
-  double initial_step = 0.0;   ///< of adaptive steps; 0: from the reaction's fastest rate
+  bool accelerate = false;    ///< corrections by nonlinear GMRES
+  double initial_step = 0.0;  ///< of adaptive steps; 0: from the reaction's fastest rate
   double safety = 0.9;
-  double max_growth = 2.0;     ///< of adaptive steps
+  double max_growth = 2.0;  ///< of adaptive steps
 };
 
 /// Any method of low order that goes from a state to one a little later, as start and as correction of SDC.
@@ -124,7 +124,7 @@ class SpectralDeferredCorrection final : public Method {
 
   const Communicator* comm_;
   RightHandSide* rhs_;
-  ImplicitPart* implicit_;      // or
+  ImplicitPart* implicit_;  // or
   StepPropagator* propagator_;
   const ReactionTerm* reaction_;
   SpectralDeferredCorrectionOptions options_;
@@ -138,15 +138,15 @@ class SpectralDeferredCorrection final : public Method {
   Field f0_;                // right-hand side at the beginning of the step
   Field work_;
   Field delta_;
-  std::vector<Field> propagated_;      // S^h of the left neighbours, with a propagator
-  std::vector<Field> provisional_;     // of the alternative correction
-  std::vector<Field> history_v_;       // stages of the step before, from its end backwards, its end itself left out
+  std::vector<Field> propagated_;   // S^h of the left neighbours, with a propagator
+  std::vector<Field> provisional_;  // of the alternative correction
+  std::vector<Field> history_v_;    // stages of the step before, from its end backwards, its end itself left out
   std::vector<Field> history_f_;
   std::vector<double> history_times_;  // relative to the beginning of the present step
   std::optional<SweepAcceleration> acceleration_;
-  std::vector<Field> before_;          // of an accelerated sweep
+  std::vector<Field> before_;  // of an accelerated sweep
   bool has_slope_ = false;
-  bool has_end_slope_ = false;         // f_.back() is the right-hand side at the end of the attempt
+  bool has_end_slope_ = false;  // f_.back() is the right-hand side at the end of the attempt
   double attempted_dt_ = 0.0;
   std::int64_t evaluations_ = 0;
 };

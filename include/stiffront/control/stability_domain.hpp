@@ -19,7 +19,8 @@ struct TestSplitting {
 /// The spectral radius of the amplification matrix of a step of SDC for every z = dT (alpha + i beta): the map of the state and the
 /// stages kept as history onto those one step later. It is found column by column by steps of the method itself.
 /// @param o with a fixed step, whose size plays no part, and without acceleration, which is not linear
-std::vector<double> amplification(const SpectralDeferredCorrectionOptions& o, TestSplitting splitting, std::span<const std::complex<double>> z);
+std::vector<double> amplification(const SpectralDeferredCorrectionOptions& o, TestSplitting splitting,
+                                  std::span<const std::complex<double>> z);
 
 /// Where steps are stable: the spectral radius is at most 1 + 1e-8.
 bool is_stable(double spectral_radius);

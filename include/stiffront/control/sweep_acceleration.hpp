@@ -34,10 +34,10 @@ class SweepAcceleration {
   std::size_t n_fields_;
   const Communicator* comm_;
   std::vector<double> inverse_scales_;
-  std::size_t known_ = 0;                    // orthonormal differences of residuals
+  std::size_t known_ = 0;  // orthonormal differences of residuals
   bool has_last_ = false;
-  std::vector<std::vector<Field>> q_;        // orthonormal
-  std::vector<std::vector<Field>> w_;        // the differences of iterates that belong to them
+  std::vector<std::vector<Field>> q_;  // orthonormal
+  std::vector<std::vector<Field>> w_;  // the differences of iterates that belong to them
   std::vector<Field> last_v_;
   std::vector<Field> last_residual_;
 };

@@ -7,13 +7,13 @@ namespace stiffront {
 
 /// Why a run ends. The value is the exit status of the program.
 enum class ErrorKind : int {
-  usage = 2,      ///< wrong command line
-  input = 3,      ///< bad case file or input data
-  numerics = 4,   ///< step-size underflow, non-finite solution, a cell that cannot be integrated
-  io = 5,         ///< a file could not be read or written
-  mpi = 6,        ///< the message-passing layer failed
-  bug = 70,       ///< an invariant of ours is broken
-  stopped = 75,   ///< stopped early on request, with a valid checkpoint
+  usage = 2,     ///< wrong command line
+  input = 3,     ///< bad case file or input data
+  numerics = 4,  ///< step-size underflow, non-finite solution, a cell that cannot be integrated
+  io = 5,        ///< a file could not be read or written
+  mpi = 6,       ///< the message-passing layer failed
+  bug = 70,      ///< an invariant of ours is broken
+  stopped = 75,  ///< stopped early on request, with a valid checkpoint
 };
 
 /// An error with a cause the caller can act on and one full sentence for the user.

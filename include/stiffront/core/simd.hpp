@@ -38,7 +38,7 @@ struct Pack {
   Vector v;
 
   Pack() = default;
-  Pack(double x) : v(x - Vector{}) {}  // NOLINT: a number is a pack of equal lanes
+  Pack(double x) : v(x - Vector{}) {}            // NOLINT: a number is a pack of equal lanes
   Pack(int x) : Pack(static_cast<double>(x)) {}  // NOLINT
   explicit Pack(Vector x) : v(x) {}
 
@@ -78,16 +78,27 @@ struct Pack {
   friend Pack operator/(Pack a, Pack b) { return Pack(a.v / b.v); }
   friend Pack operator-(Pack a) { return Pack(-a.v); }
   friend Pack operator+(Pack a) { return a; }
-  Pack& operator+=(Pack b) { v += b.v; return *this; }
-  Pack& operator-=(Pack b) { v -= b.v; return *this; }
-  Pack& operator*=(Pack b) { v *= b.v; return *this; }
-  Pack& operator/=(Pack b) { v /= b.v; return *this; }
-
+  Pack& operator+=(Pack b) {
+    v += b.v;
+    return *this;
+  }
+  Pack& operator-=(Pack b) {
+    v -= b.v;
+    return *this;
+  }
+  Pack& operator*=(Pack b) {
+    v *= b.v;
+    return *this;
+  }
+  Pack& operator/=(Pack b) {
+    v /= b.v;
+    return *this;
+  }
 };
 
 struct Mask {
   typedef std::int64_t Vector __attribute__((vector_size(pack_size * sizeof(std::int64_t))));  // NOLINT
-  Vector v;  // 0 or -1 in each lane
+  Vector v;                                                                                    // 0 or -1 in each lane
 
   Mask() = default;
   Mask(bool b) : v((b ? -1 : 0) - Vector{}) {}  // NOLINT
@@ -106,8 +117,14 @@ struct Mask {
   friend Mask operator&&(Mask a, Mask b) { return a & b; }
   friend Mask operator||(Mask a, Mask b) { return a | b; }
   friend Mask operator!(Mask a) { return Mask(~a.v); }
-  Mask& operator&=(Mask b) { v &= b.v; return *this; }
-  Mask& operator|=(Mask b) { v |= b.v; return *this; }
+  Mask& operator&=(Mask b) {
+    v &= b.v;
+    return *this;
+  }
+  Mask& operator|=(Mask b) {
+    v |= b.v;
+    return *this;
+  }
 };
 
 #if defined(__AVX__) || !defined(__SSE2__)
@@ -171,7 +188,8 @@ Pack straddle(Pack lo, Pack hi) {
   static_assert(0 < n && n < pack_size);
   return [&]<int... lane>(std::integer_sequence<int, lane...>) {
     return Pack(static_cast<Pack::Vector>(__builtin_shufflevector(lo.v, hi.v, (n + lane)...)));
-  }(std::make_integer_sequence<int, pack_size>());
+  }
+  (std::make_integer_sequence<int, pack_size>());
 }
 
 /// a*b + c, rounded once where the target can fuse it, twice elsewhere: the same in every lane and at every call of one build.

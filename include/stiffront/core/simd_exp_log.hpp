@@ -113,9 +113,7 @@ inline Pack expm1(Pack x) {
 }
 
 /// Natural logarithm, error below 1 ulp.
-inline Pack log(Pack x) {
-  return detail::log_special_cases(x, detail::assemble_log(detail::reduce_log(x), Pack(0.0)));
-}
+inline Pack log(Pack x) { return detail::log_special_cases(x, detail::assemble_log(detail::reduce_log(x), Pack(0.0))); }
 
 /// log(1 + x) without cancellation, error below 1.5 ulp.
 inline Pack log1p(Pack x) {

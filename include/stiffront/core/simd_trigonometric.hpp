@@ -34,9 +34,9 @@ struct SinCos {
   Pack cos;
 };
 inline SinCos sin_cos_reduced(Pair y) {
-  static constexpr double s[] = {0x1.1111111111110p-7, -0x1.a01a01a019937p-13, 0x1.71de3a54607a5p-19,
-                                 -0x1.ae64541295cdfp-26, 0x1.61217ee5cca1bp-33, -0x1.ab17bdcbd3414p-41};
-  static constexpr double c[] = {0x1.5555555555555p-5,  -0x1.6c16c16c16967p-10, 0x1.a01a019f4e9b4p-16,
+  static constexpr double s[] = {0x1.1111111111110p-7,   -0x1.a01a01a019937p-13, 0x1.71de3a54607a5p-19,
+                                 -0x1.ae64541295cdfp-26, 0x1.61217ee5cca1bp-33,  -0x1.ab17bdcbd3414p-41};
+  static constexpr double c[] = {0x1.5555555555555p-5,   -0x1.6c16c16c16967p-10, 0x1.a01a019f4e9b4p-16,
                                  -0x1.27e4fa17bf139p-22, 0x1.1eeb68cd22f56p-29,  -0x1.907d8f29fe831p-37};
   const Pack z = y.high * y.high;
   const Pack cube = z * y.high;
@@ -69,9 +69,9 @@ Pack with_large_angles(Pack x, Pack regular, F f) {
 
 /// (asin(x) - x)/x as a function of z = x^2 <= 1/4.
 inline Pack asin_tail(Pack z) {
-  static constexpr double c[] = {0x1.5555555555555p-3, 0x1.3333333333388p-4, 0x1.6db6db6dac1e0p-5, 0x1.f1c71c7a52ba3p-6,
-                                 0x1.6e8ba123e494cp-6, 0x1.1c4efce23019fp-6, 0x1.c990ad3d8fdcap-7, 0x1.7b027ee1dd585p-7,
-                                 0x1.3b49de7121487p-7, 0x1.31622469ce5adp-7, 0x1.8f193743418ffp-9, 0x1.406192d124629p-6,
+  static constexpr double c[] = {0x1.5555555555555p-3,  0x1.3333333333388p-4, 0x1.6db6db6dac1e0p-5, 0x1.f1c71c7a52ba3p-6,
+                                 0x1.6e8ba123e494cp-6,  0x1.1c4efce23019fp-6, 0x1.c990ad3d8fdcap-7, 0x1.7b027ee1dd585p-7,
+                                 0x1.3b49de7121487p-7,  0x1.31622469ce5adp-7, 0x1.8f193743418ffp-9, 0x1.406192d124629p-6,
                                  -0x1.3b416bb7d9257p-6, 0x1.e529c6fce9bb4p-6};
   return z * polynomial(z, c);
 }
@@ -129,9 +129,9 @@ inline Pack acos(Pack x) {
 /// Error below 2 ulp.
 inline Pack atan(Pack x) {
   using namespace detail;
-  static constexpr double c[] = {-0x1.5555555555555p-2, 0x1.9999999999953p-3,  -0x1.249249248d7dcp-3, 0x1.c71c71c303dbbp-4,
-                                 -0x1.745d165dc9713p-4, 0x1.3b1392d519db1p-4,  -0x1.110e87b4357d2p-4, 0x1.e19a0bfa3eef9p-5,
-                                 -0x1.ac7a5a79b3f26p-5, 0x1.74dccfb93fff0p-5,  -0x1.1b311bb48c215p-5, 0x1.0acd9e91a5a35p-6};
+  static constexpr double c[] = {-0x1.5555555555555p-2, 0x1.9999999999953p-3, -0x1.249249248d7dcp-3, 0x1.c71c71c303dbbp-4,
+                                 -0x1.745d165dc9713p-4, 0x1.3b1392d519db1p-4, -0x1.110e87b4357d2p-4, 0x1.e19a0bfa3eef9p-5,
+                                 -0x1.ac7a5a79b3f26p-5, 0x1.74dccfb93fff0p-5, -0x1.1b311bb48c215p-5, 0x1.0acd9e91a5a35p-6};
   // |x| is turned back by 0, pi/4 or pi/2 so that tangents of at most tan(pi/8) remain
   const Pack a = abs(x);
   const Mask middle = a > Pack(0x1.a827999fcef32p-2);

@@ -109,17 +109,14 @@ struct SparseDual {
     const Sparse<T> av = a.value;
     const Sparse<T> bv = b.value;
     return with(
-        a.value * b.value, [&](int i) __attribute__((always_inline)) {
-          return mul_add(a.derivative[i], bv, av * b.derivative[i]);
-        });
+        a.value * b.value, [&](int i) __attribute__((always_inline)) { return mul_add(a.derivative[i], bv, av * b.derivative[i]); });
   }
   STIFFRONT_ALWAYS_INLINE friend SparseDual operator/(const SparseDual& a, const SparseDual& b) {
     const Sparse<T> inverse = T(1.0) / b.value;
     const Sparse<T> quotient = a.value / b.value;
     return with(
-        quotient.value, [&](int i) __attribute__((always_inline)) {
-          return neg_mul_add(quotient, b.derivative[i], a.derivative[i]) * inverse;
-        });
+        quotient.value, [&](int i)
+                            __attribute__((always_inline)) { return neg_mul_add(quotient, b.derivative[i], a.derivative[i]) * inverse; });
   }
 
   STIFFRONT_ALWAYS_INLINE friend SparseDual operator+(const SparseDual& a, double b) {
@@ -160,19 +157,11 @@ struct SparseDual {
 
   // Comparisons look at the value only.
   STIFFRONT_ALWAYS_INLINE friend auto operator<(const SparseDual& a, const SparseDual& b) { return a.value < b.value; }
-  STIFFRONT_ALWAYS_INLINE friend auto operator<=(const SparseDual& a, const SparseDual& b) {
-    return a.value <= b.value;
-  }
+  STIFFRONT_ALWAYS_INLINE friend auto operator<=(const SparseDual& a, const SparseDual& b) { return a.value <= b.value; }
   STIFFRONT_ALWAYS_INLINE friend auto operator>(const SparseDual& a, const SparseDual& b) { return a.value > b.value; }
-  STIFFRONT_ALWAYS_INLINE friend auto operator>=(const SparseDual& a, const SparseDual& b) {
-    return a.value >= b.value;
-  }
-  STIFFRONT_ALWAYS_INLINE friend auto operator==(const SparseDual& a, const SparseDual& b) {
-    return a.value == b.value;
-  }
-  STIFFRONT_ALWAYS_INLINE friend auto operator!=(const SparseDual& a, const SparseDual& b) {
-    return a.value != b.value;
-  }
+  STIFFRONT_ALWAYS_INLINE friend auto operator>=(const SparseDual& a, const SparseDual& b) { return a.value >= b.value; }
+  STIFFRONT_ALWAYS_INLINE friend auto operator==(const SparseDual& a, const SparseDual& b) { return a.value == b.value; }
+  STIFFRONT_ALWAYS_INLINE friend auto operator!=(const SparseDual& a, const SparseDual& b) { return a.value != b.value; }
 };
 
 namespace detail {
@@ -190,9 +179,7 @@ STIFFRONT_ALWAYS_INLINE SparseDual<T, N> chain(const SparseDual<T, N>& a, T f, T
 template <class M, class T, int N>
 STIFFRONT_ALWAYS_INLINE SparseDual<T, N> select(M m, const SparseDual<T, N>& a, const SparseDual<T, N>& b) {
   return SparseDual<T, N>::with(
-      select(m, a.value, b.value), [&](int i) __attribute__((always_inline)) {
-        return select(m, a.derivative[i], b.derivative[i]);
-      });
+      select(m, a.value, b.value), [&](int i) __attribute__((always_inline)) { return select(m, a.derivative[i], b.derivative[i]); });
 }
 template <class T, int N>
 STIFFRONT_ALWAYS_INLINE SparseDual<T, N> min(const SparseDual<T, N>& a, const SparseDual<T, N>& b) {

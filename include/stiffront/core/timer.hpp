@@ -5,9 +5,7 @@
 namespace stiffront {
 
 /// Wall-clock seconds since some fixed moment. Never read to decide anything that changes results.
-inline double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+inline double wall_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// Adds the time until the end of its scope to a total.
 class ScopedTimer {

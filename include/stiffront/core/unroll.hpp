@@ -11,9 +11,7 @@ namespace stiffront {
 /// optimised.
 template <int n, class F>
 STIFFRONT_ALWAYS_INLINE void unroll(F&& f) {
-  [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
-    (f(std::integral_constant<int, i>{}), ...);
-  }
+  [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) { (f(std::integral_constant<int, i>{}), ...); }
   (std::make_integer_sequence<int, n>{});
 }
 

@@ -14,12 +14,12 @@ namespace stiffront {
 
 /// What identifies the run a checkpoint belongs to.
 struct CheckpointHeader {
-  std::int64_t step = 0;             ///< accepted steps
+  std::int64_t step = 0;  ///< accepted steps
   double time = 0.0;
   std::string model;
   std::vector<std::string> species;
   Grid grid;
-  std::string case_text;             ///< the complete case file, TOML
+  std::string case_text;  ///< the complete case file, TOML
 };
 
 /// Shows everything a run must remember to a visitor: the state, the Progress, the method and whatever counts. Called on saving and on

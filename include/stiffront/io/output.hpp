@@ -23,10 +23,10 @@ class Output {
  public:
   struct Options {
     OutputTimes times;
-    bool land = false;                           ///< steps are shortened to hit the times; otherwise states are interpolated
+    bool land = false;  ///< steps are shortened to hit the times; otherwise states are interpolated
     std::vector<std::array<double, 2>> probes;
     std::vector<std::string> species;
-    std::string case_text;                       ///< complete, goes into every result file
+    std::string case_text;  ///< complete, goes into every result file
   };
 
   /// @param rhs used where a state is interpolated.

@@ -13,10 +13,10 @@ namespace stiffront {
 /// What a result file says about its state besides the values.
 struct StateHeader {
   double time = 0.0;
-  std::int64_t step = 0;               ///< accepted steps made when the state was reached or passed
-  bool interpolated = false;           ///< between the ends of the step
+  std::int64_t step = 0;      ///< accepted steps made when the state was reached or passed
+  bool interpolated = false;  ///< between the ends of the step
   std::vector<std::string> species;
-  std::string case_text;               ///< the complete case file, TOML
+  std::string case_text;  ///< the complete case file, TOML
 };
 
 /// Writes one state to an HDF5 file, all ranks together: datasets /SPECIES as [nx] or [ny][nx] doubles, /x, /y, and attributes time,

@@ -14,8 +14,8 @@ namespace stiffront {
 struct Grid {
   static constexpr double sub_cell_place = 0.2;  ///< in spacings from the side
 
-  int dimension = 1;                          ///< 1 or 2
-  std::array<std::int64_t, 2> points{1, 1};   ///< all points; second entry 1 in one dimension
+  int dimension = 1;                         ///< 1 or 2
+  std::array<std::int64_t, 2> points{1, 1};  ///< all points; second entry 1 in one dimension
   std::array<double, 2> lower{0.0, 0.0};
   std::array<double, 2> upper{1.0, 1.0};
   std::array<bool, 2> periodic{false, false};
@@ -72,9 +72,7 @@ struct Grid {
     return lower[static_cast<std::size_t>(direction)] + place(direction, i) * spacing(direction);
   }
   /// Where point i lies between lower (0) and upper (1): exact at both ends, whatever they are.
-  double fraction(int direction, std::int64_t i) const {
-    return place(direction, i) / static_cast<double>(intervals(direction));
-  }
+  double fraction(int direction, std::int64_t i) const { return place(direction, i) / static_cast<double>(intervals(direction)); }
   std::int64_t total_points() const { return points[0] * points[1]; }
 };
 

@@ -54,11 +54,11 @@ class HaloExchange {
   struct Link {
     int dx, dy;
     int rank;
-    std::size_t size;                ///< in doubles
+    std::size_t size;                    ///< in doubles
     std::vector<double> send{}, recv{};  ///< of messages
-    std::array<double*, 2> out{};    ///< in shared memory, used in turn
+    std::array<double*, 2> out{};        ///< in shared memory, used in turn
     std::array<const double*, 2> in{};
-    Turn* sent = nullptr;            ///< nullptr: messages
+    Turn* sent = nullptr;  ///< nullptr: messages
     const Turn* received = nullptr;
   };
   /// Part of a field that travels through a link.

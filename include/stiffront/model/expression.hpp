@@ -27,13 +27,38 @@ class ExpressionError : public Error {
 };
 
 enum class Operation : std::uint8_t {
-  constant, variable,
-  add, subtract, multiply, divide, negate, multiply_add,  // multiply_add: a*b + c, rounded once where the target can
-  power, minimum, maximum, absolute, square_root,
-  exponential, logarithm, logarithm10, sine, cosine, tangent, arc_sine, arc_cosine, arc_tangent,
-  hyperbolic_sine, hyperbolic_cosine, hyperbolic_tangent,
-  less, less_equal, greater, greater_equal, equal, not_equal,  // 1 or 0
-  select,  // a != 0 ? b : c
+  constant,
+  variable,
+  add,
+  subtract,
+  multiply,
+  divide,
+  negate,
+  multiply_add,  // multiply_add: a*b + c, rounded once where the target can
+  power,
+  minimum,
+  maximum,
+  absolute,
+  square_root,
+  exponential,
+  logarithm,
+  logarithm10,
+  sine,
+  cosine,
+  tangent,
+  arc_sine,
+  arc_cosine,
+  arc_tangent,
+  hyperbolic_sine,
+  hyperbolic_cosine,
+  hyperbolic_tangent,
+  less,
+  less_equal,
+  greater,
+  greater_equal,
+  equal,
+  not_equal,  // 1 or 0
+  select,     // a != 0 ? b : c
 };
 
 /// A number, or an expression that gives one.

@@ -89,11 +89,15 @@ concept Model = std::copyable<M> && std::default_initializable<M> && requires(co
 ///
 /// Models without it never pay for it.
 template <class M>
-concept ModelWithTransport = Model<M> && requires(const M& m, const Pack* u, Pack* du, const Place<Pack>& p) { m.transport(u, u, u, du, p); };
+concept ModelWithTransport = Model<M> && requires(const M& m, const Pack* u, Pack* du, const Place<Pack>& p) {
+  m.transport(u, u, u, du, p);
+};
 
 /// A model that says which part of its rates an IMEX splitting takes implicitly: stiff_rates, templated like the rates.
 template <class M>
-concept ModelWithStiffRates = Model<M> && requires(const M& m, const Pack* u, Pack* du, const Place<Pack>& p) { m.stiff_rates(u, du, p); };
+concept ModelWithStiffRates = Model<M> && requires(const M& m, const Pack* u, Pack* du, const Place<Pack>& p) {
+  m.stiff_rates(u, du, p);
+};
 
 /// The same facts without the type, for case files, lists and messages.
 struct ModelDescription {
@@ -135,7 +139,8 @@ ModelDescription describe() {
 /// Rates and exact Jacobian of a cell or a pack of cells together: jacobian[i][j] = d rates_i / d u_j. Kernels call this one; it
 /// uses duals unless the model has a member of the same name and arguments (models whose formulas are data know their derivatives).
 template <class M, class T>
-[[gnu::always_inline]] inline void rates_and_jacobian(const M& model, const T* u, T* du, T (*jacobian)[M::n_species], const Place<T>& place) {
+[[gnu::always_inline]] inline void rates_and_jacobian(const M& model, const T* u, T* du, T (*jacobian)[M::n_species],
+                                                      const Place<T>& place) {
   if constexpr (requires { model.rates_and_jacobian(u, du, jacobian, place); }) {
     model.rates_and_jacobian(u, du, jacobian, place);
   } else {

@@ -37,19 +37,19 @@ inline Pack load_every_second(const double* p) {
   const Pack hi = Pack::load(p + pack_size);
   return [&]<int... lane>(std::integer_sequence<int, lane...>) {
     return Pack(static_cast<Pack::Vector>(__builtin_shufflevector(lo.v, hi.v, (2 * lane)...)));
-  }(std::make_integer_sequence<int, pack_size>());
+  }
+  (std::make_integer_sequence<int, pack_size>());
 }
 /// first[0], second[0], first[1], second[1] ...
 inline void store_in_turn(Pack first, Pack second, double* p) {
   [&]<int... lane>(std::integer_sequence<int, lane...>) {
     constexpr int half = pack_size / 2;
-    const Pack lo(static_cast<Pack::Vector>(
-        __builtin_shufflevector(first.v, second.v, (lane / 2 + (lane % 2) * pack_size)...)));
-    const Pack hi(static_cast<Pack::Vector>(
-        __builtin_shufflevector(first.v, second.v, (half + lane / 2 + (lane % 2) * pack_size)...)));
+    const Pack lo(static_cast<Pack::Vector>(__builtin_shufflevector(first.v, second.v, (lane / 2 + (lane % 2) * pack_size)...)));
+    const Pack hi(static_cast<Pack::Vector>(__builtin_shufflevector(first.v, second.v, (half + lane / 2 + (lane % 2) * pack_size)...)));
     lo.store(p);
     hi.store(p + pack_size);
-  }(std::make_integer_sequence<int, pack_size>());
+  }
+  (std::make_integer_sequence<int, pack_size>());
 }
 
 /// A side of this rank's rows at one level where a row of another rank (or, in a ring on one rank, of its own other
@@ -174,10 +174,7 @@ class BlockTridiagonal {
 
 template <int m>
 BlockTridiagonal<m>::BlockTridiagonal(const Decomposition& decomposition, bool periodic, int gather_at_most)
-    : comm_(&decomposition.comm()),
-      periodic_(periodic),
-      plan_(decomposition, periodic, gather_at_most),
-      messages_(*comm_, 2 * mm + m) {
+    : comm_(&decomposition.comm()), periodic_(periodic), plan_(decomposition, periodic, gather_at_most), messages_(*comm_, 2 * mm + m) {
   for (std::size_t l = 0; l < plan_.levels.size(); ++l) {
     const Level& level = plan_.levels[l];
     Storage s;
@@ -346,7 +343,7 @@ void BlockTridiagonal<m>::reduce(std::size_t l) {
       }
     }
     // x - (a or c) times component `of` of the neighbours, entry (r, q) of columns
-    const auto subtract = [&](Pack x, const Pack (&side)[m][m], const RowArrays& of, int r, int columns, int q, int slot) {
+    const auto subtract = [&](Pack x, const Pack(&side)[m][m], const RowArrays& of, int r, int columns, int q, int slot) {
       if constexpr (diagonal_sides) return neg_mul_add(side[r][0], Pack::load(of(r * columns + q) + slot), x);
       for (int p = 0; p < m; ++p) x = neg_mul_add(side[r][p], Pack::load(of(p * columns + q) + slot), x);
       return x;
@@ -389,9 +386,7 @@ void BlockTridiagonal<m>::gather() {
   };
   const auto [begin, n] = plan_.owned_at_gathering[static_cast<std::size_t>(comm_->rank())];
   gather_mine_.clear();
-  each_component([&, b = begin, n_mine = n](const double* x) {
-    gather_mine_.insert(gather_mine_.end(), x + b, x + b + n_mine);
-  });
+  each_component([&, b = begin, n_mine = n](const double* x) { gather_mine_.insert(gather_mine_.end(), x + b, x + b + n_mine); });
   std::vector<int> counts;
   std::vector<int> displacements;
   int total = 0;
@@ -401,8 +396,8 @@ void BlockTridiagonal<m>::gather() {
     total += count * width;
   }
   gather_all_.resize(static_cast<std::size_t>(total));
-  check_mpi(MPI_Allgatherv(gather_mine_.data(), static_cast<int>(gather_mine_.size()), MPI_DOUBLE, gather_all_.data(),
-                           counts.data(), displacements.data(), MPI_DOUBLE, comm_->get()),
+  check_mpi(MPI_Allgatherv(gather_mine_.data(), static_cast<int>(gather_mine_.size()), MPI_DOUBLE, gather_all_.data(), counts.data(),
+                           displacements.data(), MPI_DOUBLE, comm_->get()),
             "MPI_Allgatherv");
   const double* from = gather_all_.data();
   for (const auto& [b, count] : plan_.owned_at_gathering) {

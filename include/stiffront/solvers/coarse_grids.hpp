@@ -79,7 +79,8 @@ struct CoarseGrid {
 /// points are `whole`: computed by every rank.
 /// @param k_x, k_y strength of the coupling in each direction on the finest grid
 /// @param whole_at_most largest number of points of a whole grid
-std::vector<CoarseGrid> coarse_grids(const Decomposition& decomposition, const Boundary& boundary, double k_x, double k_y, int whole_at_most = 1024);
+std::vector<CoarseGrid> coarse_grids(const Decomposition& decomposition, const Boundary& boundary, double k_x, double k_y,
+                                     int whole_at_most = 1024);
 
 /// Brings the halo of planes on one of the grids up to date: that of periodic and shared sides, corners included; beyond a physical
 /// boundary it stays as it is.

@@ -15,11 +15,11 @@ inline constexpr int max_custom_species = 8;
 /// A model as a user writes it, without a line of C++. Either or both of `reaction` and `reactions` say what happens; what they give
 /// for a species is added.
 struct CustomModel {
-  std::vector<std::string> species;                              ///< letters, digits and _; not t, x, y
+  std::vector<std::string> species;  ///< letters, digits and _; not t, x, y
   std::vector<std::pair<std::string, double>> parameters;
-  std::vector<std::pair<std::string, NumberOrText>> diffusion;   ///< expressions of parameters; species left out: 0
-  std::vector<std::pair<std::string, std::string>> reaction;     ///< rates: expressions of species, parameters, t, x and y
-  std::vector<Reaction> reactions;                               ///< a reaction network
+  std::vector<std::pair<std::string, NumberOrText>> diffusion;  ///< expressions of parameters; species left out: 0
+  std::vector<std::pair<std::string, std::string>> reaction;    ///< rates: expressions of species, parameters, t, x and y
+  std::vector<Reaction> reactions;                              ///< a reaction network
 };
 
 /// Compiles a model; its description has the diffusion coefficients evaluated, and the sums that the reactions conserve.

@@ -43,8 +43,9 @@ std::unique_ptr<ImplicitPart> make_cell_local_part(const Field& shape, const Dif
 /// The whole P in one dimension, solved directly by block cyclic reduction (solvers/block_tridiagonal.hpp).
 /// @param transport null for models without first derivatives
 /// @throws Error(input) in two dimensions
-std::unique_ptr<ImplicitPart> make_block_tridiagonal_part(const Field& shape, const DiffusionOperator& diffusion, const ReactionTerm& reaction,
-                                                          ImplicitTerms terms, const TransportTerm* transport = nullptr);
+std::unique_ptr<ImplicitPart> make_block_tridiagonal_part(const Field& shape, const DiffusionOperator& diffusion,
+                                                          const ReactionTerm& reaction, ImplicitTerms terms,
+                                                          const TransportTerm* transport = nullptr);
 
 /// The whole P in two dimensions, by GMRES. The preconditioner is a V-cycle of multigrid with damped cell-Jacobi steps: cell blocks hold
 /// the reaction's Jacobian and the diagonal of the Laplacian, coarser grids see means of the Jacobian, and a direction is coarsened only

@@ -28,8 +28,8 @@ class Radau5 final : public ReactionSolver {
   }
 
   void run(const CellRun& cells) override {
-    const CellRow row{cells.n,        cells.from, cells.from_stride, cells.to, cells.to_stride, cells.hint, cells.cost,
-                      cells.j * grid_->points[0] + cells.i};
+    const CellRow row{cells.n,         cells.from, cells.from_stride, cells.to,
+                      cells.to_stride, cells.hint, cells.cost,        cells.j * grid_->points[0] + cells.i};
     kernel_.row(row, [&](int i, int n) { return place_of_cells(*grid_, t_, cells.i + i, cells.j, n); });
   }
 

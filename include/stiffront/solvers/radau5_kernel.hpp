@@ -16,12 +16,12 @@ namespace stiffront {
 
 /// Work of a Radau5Kernel, summed over cells; each cell's part depends on that cell alone.
 struct Radau5Counts {
-  std::int64_t steps = 0;              ///< accepted
+  std::int64_t steps = 0;  ///< accepted
   std::int64_t error_rejections = 0;
-  std::int64_t newton_failures = 0;    ///< attempts in which Newton's iteration did not converge
+  std::int64_t newton_failures = 0;  ///< attempts in which Newton's iteration did not converge
   std::int64_t newton_iterations = 0;
-  std::int64_t rhs = 0;                ///< evaluations of the rates, those within Jacobians included
-  std::int64_t jacobians = 0;          ///< one, with its two decompositions, per attempt
+  std::int64_t rhs = 0;        ///< evaluations of the rates, those within Jacobians included
+  std::int64_t jacobians = 0;  ///< one, with its two decompositions, per attempt
 
   bool operator==(const Radau5Counts&) const = default;
 };
@@ -149,9 +149,7 @@ class Radau5Kernel {
     return select(a.converged, by_error, a.shrink * h);
   }
   /// What of h is used when `rest` remains: all, half of it, or h.
-  static T fit(T h, T rest) {
-    return select(T(1.0001) * h >= rest, rest, select(T(2.0) * h >= rest, T(0.5) * rest, h));
-  }
+  static T fit(T h, T rest) { return select(T(1.0001) * h >= rest, rest, select(T(2.0) * h >= rest, T(0.5) * rest, h)); }
 
   template <class PlaceOf>
   [[gnu::always_inline]] void whole_step(const CellRow& cells, int i, int n, PlaceOf&& place_of, T h, T inverse_h) {
@@ -210,12 +208,12 @@ class Radau5Kernel {
     T x, y;
     T elapsed;
     T h;
-    T last_h;        ///< 0 before the first accepted step
+    T last_h;  ///< 0 before the first accepted step
     T last_error;
     T newton_factor;
     T attempts;
     T cost;
-    T rates_size;    ///< of the last attempt
+    T rates_size;  ///< of the last attempt
     Mask rejected;
     Mask active;
     const Pending* cell[Traits::size];
@@ -288,8 +286,7 @@ class Radau5Kernel {
         };
         const T z[3] = {value(at1), value(at2), value(ratio)};
         for (int i = 0; i < 3; ++i) {
-          a.w[i][s] = mul_add(T(tab::t_inverse[i][0]), z[0],
-                              mul_add(T(tab::t_inverse[i][1]), z[1], T(tab::t_inverse[i][2]) * z[2]));
+          a.w[i][s] = mul_add(T(tab::t_inverse[i][0]), z[0], mul_add(T(tab::t_inverse[i][1]), z[1], T(tab::t_inverse[i][2]) * z[2]));
         }
       }
     }

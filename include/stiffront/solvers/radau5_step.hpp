@@ -44,14 +44,14 @@ template <class T, int m>
 struct Radau5Attempt {
   using Mask = typename ScalarTraits<T>::MaskType;
 
-  T w[3][m];           ///< T^-1 z, see radau5_tableau.hpp; the starting values on entry unless started from zero
-  T error_squared;     ///< squared norm of the error estimate: below 1 the step is good
+  T w[3][m];        ///< T^-1 z, see radau5_tableau.hpp; the starting values on entry unless started from zero
+  T error_squared;  ///< squared norm of the error estimate: below 1 the step is good
   T newton_iterations;
-  T newton_factor;     ///< theta/(1 - theta) of the last contraction theta; starting value of the next step on entry
-  T rates_size;        ///< sum of |f(t, u)|, to tell rates that are not finite from steps that are too long
-  T shrink;            ///< where Newton's iteration failed: what to multiply the step with
+  T newton_factor;  ///< theta/(1 - theta) of the last contraction theta; starting value of the next step on entry
+  T rates_size;     ///< sum of |f(t, u)|, to tell rates that are not finite from steps that are too long
+  T shrink;         ///< where Newton's iteration failed: what to multiply the step with
   Mask converged;
-  Mask refined;        ///< where the estimate was filtered a second time, with one more evaluation of the rates
+  Mask refined;  ///< where the estimate was filtered a second time, with one more evaluation of the rates
 };
 
 /// Where and what a step starts from, in each lane.
@@ -140,7 +140,7 @@ template <bool from_zero, bool exchanges, class M, class T>
       };
       const auto place_of = [&](int i) { return Place<T>{mul_add(T(tab::c[i]), h, place.t), place.x, place.y}; };
       // An interpreted model looks its instructions up once for all three stages.
-      if constexpr (requires(T (*v)[m], const Place<T>* places) { model.template rates_of_several<3>(v, v, places); }) {
+      if constexpr (requires(T(*v)[m], const Place<T>* places) { model.template rates_of_several<3>(v, v, places); }) {
         T v[3][m];
         for (int i = 0; i < 3; ++i) state_of(i, v[i]);
         const Place<T> places[3] = {place_of(0), place_of(1), place_of(2)};
@@ -246,16 +246,14 @@ template <bool from_zero, bool exchanges, class M, class T>
 /// The same with row exchanges. It works on a copy, so that the common path may keep its numbers in registers.
 template <bool from_zero, class M, class T>
 [[gnu::noinline]] void radau5_attempt_with_exchanges(const M& model, const Radau5Start<T, M::n_species>& start,
-                                                     const Radau5Tolerances<M::n_species>& tolerances,
-                                                     Radau5Attempt<T, M::n_species>& r) {
+                                                     const Radau5Tolerances<M::n_species>& tolerances, Radau5Attempt<T, M::n_species>& r) {
   radau5_attempt_with<from_zero, true>(model, start, tolerances, r);
 }
 
 /// The same, with row exchanges where they are needed.
 template <bool from_zero, class M, class T>
 [[gnu::always_inline]] inline void radau5_attempt(const M& model, const Radau5Start<T, M::n_species>& start,
-                                                  const Radau5Tolerances<M::n_species>& tolerances,
-                                                  Radau5Attempt<T, M::n_species>& r) {
+                                                  const Radau5Tolerances<M::n_species>& tolerances, Radau5Attempt<T, M::n_species>& r) {
   if (!radau5_attempt_with<from_zero, false>(model, start, tolerances, r)) [[unlikely]] {
     const Radau5Start<T, M::n_species> start_copy = start;
     Radau5Attempt<T, M::n_species> r_copy = r;

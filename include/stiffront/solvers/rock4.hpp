@@ -83,7 +83,7 @@ class Rock4 final : public Flow {
     std::size_t input = start;
     std::array<std::size_t, 2> others{none, none};
     std::size_t to = start;
-    double time = 0.0;  ///< of the input
+    double time = 0.0;    ///< of the input
     double weight = 0.0;  ///< of the slope
     double kappa = 0.0;
   };
@@ -93,8 +93,7 @@ class Rock4 final : public Flow {
   double attempt(double t, double h, Work& work);
   void accept(double time);
   void deliver(std::span<const Transition> states, double time);
-  std::optional<CellFailure> fail(std::span<const Transition> states, double t, double dt, double h,
-                                  const char* reason);
+  std::optional<CellFailure> fail(std::span<const Transition> states, double t, double dt, double h, const char* reason);
   Field* scratch(const Field& like);
   void plan(const Rock4Coefficients& m, const Finish& finish, double t, double h);
   int depth_of(int stages) const;
@@ -117,10 +116,10 @@ class Rock4 final : public Flow {
   int asked_depth_;
   RowHalo row_halo_;
   std::optional<HaloCost> halo_cost_;  ///< if the depth is chosen, among several ranks
-  int largest_depth_ = 1;  ///< that boxes and halos allow
-  int depth_in_cache_;     ///< stages per pass over memory, alone
-  int rows_at_a_time_;     ///< points on a line
-  bool is_large_ = false;  ///< does not stay in cache from one stage to the next
+  int largest_depth_ = 1;              ///< that boxes and halos allow
+  int depth_in_cache_;                 ///< stages per pass over memory, alone
+  int rows_at_a_time_;                 ///< points on a line
+  bool is_large_ = false;              ///< does not stay in cache from one stage to the next
   std::int64_t exchanges_made_ = 0;
   Rock4Table table_;
   double first_step_ = 0.0;
@@ -128,8 +127,8 @@ class Rock4 final : public Flow {
   std::map<std::pair<int, std::size_t>, std::unique_ptr<HaloExchange>> exchanges_;  ///< by depth and number of fields
   std::deque<Field> scratch_;
   std::size_t scratch_used_ = 0;
-  std::vector<Field> slope_;  ///< order 8: D Laplacian(u), for want of a fused kernel
-  std::vector<Stage> stages_;         ///< of the attempt under way
+  std::vector<Field> slope_;   ///< order 8: D Laplacian(u), for want of a fused kernel
+  std::vector<Stage> stages_;  ///< of the attempt under way
   std::vector<WavefrontPass> passes_;
   std::vector<Buffers> buffers_;  ///< one per state
   std::vector<Field*> exchanged_;

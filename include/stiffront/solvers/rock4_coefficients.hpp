@@ -25,12 +25,12 @@ namespace stiffront {
 /// Rounding errors of g_n come back multiplied by about 1.5e-4 s^8, see rock4_max_stages.
 /// @see Abdulle, SIAM J. Sci. Comput. 23(6), 2002, for the family; the coefficients are our own (docs/rock4.md).
 struct Rock4Coefficients {
-  int stages;                 ///< s, evaluations of f in an accepted step
-  std::vector<double> mu;     ///< mu_j at [j - 1], j = 1 .. n
-  std::vector<double> nu;     ///< nu_j at [j - 1]; nu_1 = 1
-  std::vector<double> kappa;  ///< kappa_j at [j - 1]; kappa_1 = 0, and nu_j + kappa_j = 1 without rounding error
-  std::vector<double> ct;     ///< ct_j at [j], j = 0 .. n, the time of g_j; ct_0 = 0
-  std::array<double, 4> c;    ///< times of k_1 .. k_4; c[0] = ct_n
+  int stages;                              ///< s, evaluations of f in an accepted step
+  std::vector<double> mu;                  ///< mu_j at [j - 1], j = 1 .. n
+  std::vector<double> nu;                  ///< nu_j at [j - 1]; nu_1 = 1
+  std::vector<double> kappa;               ///< kappa_j at [j - 1]; kappa_1 = 0, and nu_j + kappa_j = 1 without rounding error
+  std::vector<double> ct;                  ///< ct_j at [j], j = 0 .. n, the time of g_j; ct_0 = 0
+  std::array<double, 4> c;                 ///< times of k_1 .. k_4; c[0] = ct_n
   std::array<std::array<double, 4>, 4> a;  ///< strictly lower triangular
   std::array<double, 4> b;
   std::array<double, 4> e;

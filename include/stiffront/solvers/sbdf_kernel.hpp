@@ -22,7 +22,7 @@ namespace stiffront {
 struct SbdfSweep {
   double t = 0.0;
   double gamma = 0.0;
-  double shift = 0.0;        ///< g
+  double shift = 0.0;  ///< g
   const Decomposition* decomposition = nullptr;
   ConstRows v;  ///< halo up to date
   ConstRows r;
@@ -56,8 +56,8 @@ class SbdfKernelOf final : public SbdfKernel {
     const double* r[m];
     double* out[m];
     std::ptrdiff_t below, above, far_below, far_above;  ///< from the row to rows -1, 1, -2, 2 of v
-    double first;           ///< global index of the point
-    Pack lane;              ///< offsets of the cells of a pack from its first
+    double first;                                       ///< global index of the point
+    Pack lane;                                          ///< offsets of the cells of a pack from its first
     double y;
   };
 
@@ -188,8 +188,7 @@ class SbdfKernelOf final : public SbdfKernel {
             far_before = Pack::load(at + far_below);
             far_after = Pack::load(at + far_above);
           }
-          const Pack along_y =
-              second_difference<Order>(centre[s], Pack::load(at + below), Pack::load(at + above), far_before, far_after);
+          const Pack along_y = second_difference<Order>(centre[s], Pack::load(at + below), Pack::load(at + above), far_before, far_after);
           difference = mul_add(anisotropy, along_y, difference);
         }
         const Pack change = mul_add(Pack(k[s]), difference, reaction.rate(s));

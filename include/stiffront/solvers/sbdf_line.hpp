@@ -48,8 +48,7 @@ class SbdfLineOf final : public SbdfLine {
       const double* v = sweep.v.row(s, 0);
       const double* delta = solver_.right_side(s);
       double* out = sweep.out.row(s, 0);
-      for_each_pack(box.i_begin, box.i_end,
-                    [&](int i, int n) { (Pack::load(v + i) + Pack::load(delta + i)).store_partial(out + i, n); });
+      for_each_pack(box.i_begin, box.i_end, [&](int i, int n) { (Pack::load(v + i) + Pack::load(delta + i)).store_partial(out + i, n); });
     }
   }
 

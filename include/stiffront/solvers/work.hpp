@@ -14,9 +14,9 @@ struct Work {
   std::int64_t reaction_newton_iterations = 0;
   std::int64_t reaction_rhs = 0;
   std::int64_t reaction_jacobians = 0;
-  std::int64_t sweeps = 0;            ///< fused cell-local sweeps
-  std::int64_t line_solves = 0;       ///< block-tridiagonal solves
-  std::int64_t rhs_evaluations = 0;   ///< coupled right-hand sides
+  std::int64_t sweeps = 0;           ///< fused cell-local sweeps
+  std::int64_t line_solves = 0;      ///< block-tridiagonal solves
+  std::int64_t rhs_evaluations = 0;  ///< coupled right-hand sides
   std::int64_t linear_iterations = 0;
   std::int64_t halo_exchanges = 0;
 

@@ -29,8 +29,7 @@ Pack second_difference(const double* u, std::ptrdiff_t step, Pack centre) {
   if constexpr (Order == 2) {
     return second_difference<2>(centre, Pack::load(u - step), Pack::load(u + step), centre, centre);
   } else {
-    return second_difference<4>(centre, Pack::load(u - step), Pack::load(u + step), Pack::load(u - 2 * step),
-                                Pack::load(u + 2 * step));
+    return second_difference<4>(centre, Pack::load(u - step), Pack::load(u + step), Pack::load(u - 2 * step), Pack::load(u + 2 * step));
   }
 }
 

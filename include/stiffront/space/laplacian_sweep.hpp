@@ -72,9 +72,8 @@ class RowBlock {
       const Pack x = centre_[r];
       const Pack after = Pack::load(u + r * stride_ + pack_size);
       const Pack* const c = column + r + width;
-      Pack f = Pack(k_x_) *
-               second_difference<Order>(x, shifted<-1>(before_[r], x, after), shifted<1>(before_[r], x, after),
-                                        shifted<-width>(before_[r], x, after), shifted<width>(before_[r], x, after));
+      Pack f = Pack(k_x_) * second_difference<Order>(x, shifted<-1>(before_[r], x, after), shifted<1>(before_[r], x, after),
+                                                     shifted<-width>(before_[r], x, after), shifted<width>(before_[r], x, after));
       if constexpr (Dimension == 2) f = f + Pack(k_y_) * second_difference<Order>(x, c[-1], c[1], c[-width], c[width]);
       if constexpr (Dimension == 2) rows_[static_cast<std::size_t>(r)].prefetch(i, Rows * stride_);
       rows_[static_cast<std::size_t>(r)](i, lanes, x, f);
@@ -106,11 +105,9 @@ class RowBlock {
 
 template <int Order, int Dimension, class OnRow, int... r>
 [[gnu::always_inline]] inline void sweep_rows(const Laplacian<Order, Dimension>& laplacian, const Field& u, int species,
-                                              const FreeBox& tile, int j, OnRow& on_row,
-                                              std::integer_sequence<int, r...>) {
+                                              const FreeBox& tile, int j, OnRow& on_row, std::integer_sequence<int, r...>) {
   const std::array rows{on_row(j + r)...};
-  RowBlock<sizeof...(r), Order, Dimension, typename decltype(rows)::value_type> block(laplacian, u.row(species, j),
-                                                                                      rows);
+  RowBlock<sizeof...(r), Order, Dimension, typename decltype(rows)::value_type> block(laplacian, u.row(species, j), rows);
   block.sweep(tile.i_begin, tile.i_end);
 }
 
@@ -124,8 +121,7 @@ template <int Order, int Dimension, class OnRow, int... r>
 /// `ahead` doubles later. u itself must not be written. Bits are those of Laplacian::operator(), whatever the tile.
 /// @pre halos of u are up to date; tile is not empty
 template <int Order, int Dimension, class OnRow>
-void sweep(const Laplacian<Order, Dimension>& laplacian, const Field& u, int species, const FreeBox& tile,
-           OnRow&& on_row) {
+void sweep(const Laplacian<Order, Dimension>& laplacian, const Field& u, int species, const FreeBox& tile, OnRow&& on_row) {
   // Packs straddling two loaded ones come from registers, and several rows share the loads of the wider stencil's
   // column: that halves the time where the data are in cache. Measured optima.
   constexpr int rows = Dimension == 2 && Order == 4 ? 4 : 1;
@@ -134,8 +130,7 @@ void sweep(const Laplacian<Order, Dimension>& laplacian, const Field& u, int spe
     detail::sweep_rows(laplacian, u, species, tile, j, on_row, std::make_integer_sequence<int, rows>());
   }
   if constexpr (rows > 1) {
-    for (; j < tile.j_end; ++j)
-      detail::sweep_rows(laplacian, u, species, tile, j, on_row, std::make_integer_sequence<int, 1>());
+    for (; j < tile.j_end; ++j) detail::sweep_rows(laplacian, u, species, tile, j, on_row, std::make_integer_sequence<int, 1>());
   }
 }
 

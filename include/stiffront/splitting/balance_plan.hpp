@@ -18,10 +18,10 @@ struct WorkTransfer {
 
 /// When it is worth while to move anything. Work is counted in Newton iterations of one cell, some 30 ns.
 struct BalanceRule {
-  double threshold = 1.02;         ///< largest over mean work up to which everything stays where it is
-  std::int64_t least_gain = 400;   ///< so much less must the busiest rank have to do: what the messages take
+  double threshold = 1.02;                  ///< largest over mean work up to which everything stays where it is
+  std::int64_t least_gain = 400;            ///< so much less must the busiest rank have to do: what the messages take
   std::int64_t least_gain_in_memory = 120;  ///< the same where ranks share memory
-  double least_transfer = 0.005;   ///< of the mean work; smaller transfers are left out
+  double least_transfer = 0.005;            ///< of the mean work; smaller transfers are left out
 };
 
 /// Who sends how much to whom so that all have the mean.

@@ -15,8 +15,8 @@ namespace stiffront {
 
 /// What the balancing of the reaction has done, on this rank unless said otherwise.
 struct BalanceCounts {
-  double work_owned = 0.0;  ///< counted work of this rank's own cells
-  double work_done = 0.0;   ///< of the cells it integrated
+  double work_owned = 0.0;                                     ///< counted work of this rank's own cells
+  double work_done = 0.0;                                      ///< of the cells it integrated
   double largest_owned = 0.0, largest_done = 0.0, mean = 0.0;  ///< of the ranks of the group, each summed over the calls
   std::int64_t messages_sent = 0;
   std::int64_t bytes_sent = 0;
@@ -139,7 +139,7 @@ class ReactionBalance {
   double guest_work_ = 0.0;
   std::vector<Parcel> parcels_;
   std::vector<Guest> guests_;
-  std::vector<bool> is_away_;          ///< by pack
+  std::vector<bool> is_away_;  ///< by pack
   std::vector<float> guest_costs_;
   std::vector<MPI_Request> requests_;  ///< of the call under way
   int n_species_ = 0;

@@ -51,12 +51,12 @@ struct Brusselator {
   }
 };
 
-inline constexpr std::array<Parameter<Brusselator>, 2> Brusselator::parameters{
-    {{"A", &Brusselator::A}, {"B", &Brusselator::B}}};
+inline constexpr std::array<Parameter<Brusselator>, 2> Brusselator::parameters{{{"A", &Brusselator::A}, {"B", &Brusselator::B}}};
 inline constexpr std::array<Profile<Brusselator>, 4> Brusselator::profiles{
     {{"brusselator-sine", "u = 1 + sin(2 pi x), v = 3", &Brusselator::sine<1>},
      {"brusselator-ten-waves", "u = 1 + sin(20 pi x), v = 3 (Hagstrom & Zhou)", &Brusselator::sine<10>},
      {"brusselator-cosine", "u = 1 + cos(pi x)/2, v = 3 + cos(2 pi x)/2", &Brusselator::cosine},
-     {"brusselator-rock4", "u = 22 y (1-y)^1.5, v = 27 x (1-x)^1.5 (2-D, periodic in Hairer & Wanner and Abdulle)", &Brusselator::rock4, 2}}};
+     {"brusselator-rock4", "u = 22 y (1-y)^1.5, v = 27 x (1-x)^1.5 (2-D, periodic in Hairer & Wanner and Abdulle)", &Brusselator::rock4,
+      2}}};
 
 }  // namespace stiffront

@@ -15,7 +15,8 @@ namespace stiffront {
 struct Bz {
   static constexpr int n_species = 3;
   static constexpr const char* name = "bz";
-  static constexpr const char* source = "Belousov-Zhabotinsky, 3 variables; Duarte & Emmett 2016, section 7; Descombes et al. 2011, section 5.2";
+  static constexpr const char* source =
+      "Belousov-Zhabotinsky, 3 variables; Duarte & Emmett 2016, section 7; Descombes et al. 2011, section 5.2";
   static constexpr std::array<const char*, 3> species{"a", "b", "c"};
   static constexpr std::array<double, 3> diffusion{2.5e-3, 2.5e-3, 1.5e-3};
   static const std::array<Parameter<Bz>, 4> parameters;
@@ -76,8 +77,7 @@ struct Bz {
   }
 };
 
-inline constexpr std::array<Parameter<Bz>, 4> Bz::parameters{
-    {{"epsilon", &Bz::epsilon}, {"mu", &Bz::mu}, {"f", &Bz::f}, {"q", &Bz::q}}};
+inline constexpr std::array<Parameter<Bz>, 4> Bz::parameters{{{"epsilon", &Bz::epsilon}, {"mu", &Bz::mu}, {"f", &Bz::f}, {"q", &Bz::q}}};
 inline constexpr std::array<Profile<Bz>, 3> Bz::profiles{
     {{"bz-front", "ignited strip near the lower x side, a = b = c = 0 elsewhere", &Bz::front},
      {"bz-ignition", "medium at rest, middle 40th ignited", &Bz::ignition},

@@ -30,12 +30,12 @@ struct Discharge {
   static const std::array<Parameter<Discharge>, 6> parameters;
   static const std::array<Profile<Discharge>, 1> profiles;
 
-  double field = 4e4;              ///< V/cm
-  double gas_density = 2.45e19;    ///< 1/cm^3
-  double electrode = 0.01;         ///< cm
-  double period = 1e-6;            ///< s
-  double pulse = 1e-8;             ///< s
-  double recombination = 2e-7;     ///< beta, of electrons and of negative ions with positive ions, cm^3/s
+  double field = 4e4;            ///< V/cm
+  double gas_density = 2.45e19;  ///< 1/cm^3
+  double electrode = 0.01;       ///< cm
+  double period = 1e-6;          ///< s
+  double pulse = 1e-8;           ///< s
+  double recombination = 2e-7;   ///< beta, of electrons and of negative ions with positive ions, cm^3/s
 
   /// The end of the electrode, to which a grid point there belongs whatever its rounding.
   double end_of_electrode() const { return electrode * (1.0 + 1e-9); }
@@ -48,13 +48,9 @@ struct Discharge {
     return 6.87e22 * x + 3.38e4;
   }
   /// Ionisation over gas density, cm^2.
-  static double ionisation(double x) {
-    return x > 1.5e-15 ? 2e-16 * std::exp(-7.248e-15 / x) : 6.619e-17 * std::exp(-5.593e-15 / x);
-  }
+  static double ionisation(double x) { return x > 1.5e-15 ? 2e-16 * std::exp(-7.248e-15 / x) : 6.619e-17 * std::exp(-5.593e-15 / x); }
   /// Attachment in collisions of two, over gas density, cm^2.
-  static double two_body_attachment(double x) {
-    return x > 1.05e-15 ? 8.889e-5 * x + 2.567e-19 : std::max(0.0, 6.089e-4 * x - 2.893e-19);
-  }
+  static double two_body_attachment(double x) { return x > 1.05e-15 ? 8.889e-5 * x + 2.567e-19 : std::max(0.0, 6.089e-4 * x - 2.893e-19); }
   /// Attachment in collisions of three, over the square of the gas density, cm^5.
   static double three_body_attachment(double x) { return 4.7778e-59 * std::pow(x, -1.2749); }
 
@@ -103,9 +99,12 @@ struct Discharge {
   }
 };
 
-inline constexpr std::array<Parameter<Discharge>, 6> Discharge::parameters{
-    {{"field", &Discharge::field}, {"gas_density", &Discharge::gas_density}, {"electrode", &Discharge::electrode},
-     {"period", &Discharge::period}, {"pulse", &Discharge::pulse}, {"recombination", &Discharge::recombination}}};
+inline constexpr std::array<Parameter<Discharge>, 6> Discharge::parameters{{{"field", &Discharge::field},
+                                                                            {"gas_density", &Discharge::gas_density},
+                                                                            {"electrode", &Discharge::electrode},
+                                                                            {"period", &Discharge::period},
+                                                                            {"pulse", &Discharge::pulse},
+                                                                            {"recombination", &Discharge::recombination}}};
 inline constexpr std::array<Profile<Discharge>, 1> Discharge::profiles{
     {{"discharge-seed", "ne = np = 1e14 at the electrode, 1e9 elsewhere", &Discharge::seed}}};
 

@@ -21,8 +21,8 @@ struct Flame {
   static const std::array<Parameter<Flame>, 3> parameters;
   static const std::array<Profile<Flame>, 1> profiles;
 
-  double Ze = 10.0;    ///< Zeldovich number
-  double Le = 1.0;     ///< Lewis number; the fuel's diffusion coefficient must be set to 1/Le
+  double Ze = 10.0;     ///< Zeldovich number
+  double Le = 1.0;      ///< Lewis number; the fuel's diffusion coefficient must be set to 1/Le
   double alpha = 0.85;  ///< heat release, (T_burnt - T_fresh) / T_burnt
 
   template <class T, class P>
@@ -42,8 +42,7 @@ struct Flame {
   }
 };
 
-inline constexpr std::array<Parameter<Flame>, 3> Flame::parameters{
-    {{"Ze", &Flame::Ze}, {"Le", &Flame::Le}, {"alpha", &Flame::alpha}}};
+inline constexpr std::array<Parameter<Flame>, 3> Flame::parameters{{{"Ze", &Flame::Ze}, {"Le", &Flame::Le}, {"alpha", &Flame::alpha}}};
 inline constexpr std::array<Profile<Flame>, 1> Flame::profiles{
     {{"flame-front", "burnt in the lower fifth, preheat zone ahead", &Flame::front}}};
 

@@ -49,11 +49,12 @@ struct ReducedPulsatingFlame {
   }
 };
 
-inline constexpr std::array<Parameter<ReducedPulsatingFlame>, 5> ReducedPulsatingFlame::parameters{{{"V", &ReducedPulsatingFlame::V},
-                                                                                                    {"L_Y", &ReducedPulsatingFlame::L_Y},
-                                                                                                    {"sigma", &ReducedPulsatingFlame::sigma},
-                                                                                                    {"A1", &ReducedPulsatingFlame::A1},
-                                                                                                    {"E1", &ReducedPulsatingFlame::E1}}};
+inline constexpr std::array<Parameter<ReducedPulsatingFlame>, 5> ReducedPulsatingFlame::parameters{
+    {{"V", &ReducedPulsatingFlame::V},
+     {"L_Y", &ReducedPulsatingFlame::L_Y},
+     {"sigma", &ReducedPulsatingFlame::sigma},
+     {"A1", &ReducedPulsatingFlame::A1},
+     {"E1", &ReducedPulsatingFlame::E1}}};
 inline constexpr std::array<Profile<ReducedPulsatingFlame>, 1> ReducedPulsatingFlame::profiles{
     {{"reduced-flame-at-11", "Theta = (x/11)^V, Y = 1 - (x/11)^(L_Y V) up to x = 11, burnt beyond", &ReducedPulsatingFlame::start}}};
 
