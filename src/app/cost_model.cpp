@@ -49,8 +49,9 @@ PredictedWork predicted_sbdf(const AutoProblem& p) {
   const auto enough = std::find_if(sbdf_sweep_counts.begin(), sbdf_sweep_counts.end(),
                                    [z](int s) { return z <= sbdf_z_safety(order) * sbdf_z_limit(order, s); });
   double sweeps = enough == sbdf_sweep_counts.end() ? sbdf_max_sweeps : *enough;
-  if (p.dimension == 1) {
-    sweeps = std::min(sweeps, sbdf_line_cost(p.n_species));
+  const double coupled = p.dimension == 1 ? sbdf_line_cost(p.n_species) : sbdf_plane_cost(p.n_species);
+  if (std::isfinite(coupled)) {
+    sweeps = std::min(sweeps, coupled);
   } else if (enough == sbdf_sweep_counts.end()) {
     work.steps *= z / (sbdf_z_safety(order) * sbdf_z_limit(order, sbdf_max_sweeps));
   }

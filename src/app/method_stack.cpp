@@ -246,7 +246,7 @@ void MethodStack::make(const Case&, const SbdfOptions& o, Problem& problem) {
 void MethodStack::make(const Case&, const CvodeOptions& o, Problem& problem) {
   stiffront::CvodeOptions k;
   k.relative_tolerance = o.relative_tolerance;
-  k.absolute_tolerance = per_species(o.absolute_tolerance.value_or(Tolerance{0.01 * o.relative_tolerance}), problem);
+  k.absolute_tolerance = per_species(o.absolute_tolerance ? *o.absolute_tolerance : Tolerance{0.01 * o.relative_tolerance}, problem);
   k.linear_solver =
       o.linear_solver == LinearSolver::band ? stiffront::CvodeOptions::LinearSolver::band : stiffront::CvodeOptions::LinearSolver::gmres;
   method_ = std::make_unique<Cvode>(problem.state, problem.rhs, std::move(k));

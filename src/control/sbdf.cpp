@@ -27,10 +27,6 @@ std::span<const double> line_factors(int space_order) {
   return std::span<const double>(factors).first(space_order == 2 ? 1 : 2);
 }
 
-/// What a step with corrections on coarser grids in two dimensions costs in sweeps, its sweeps included (measured; see docs/sbdf.md).
-/// Constants, so that the choice is the same everywhere.
-double plane_cost(int n_species) { return 25.0 + 5.0 * n_species; }
-
 SbdfOptions checked(SbdfOptions o, int n_species) {
   if (!(o.relative_tolerance > 0.0)) {
     throw Error(ErrorKind::input, fmt::format("method.relative_tolerance: expected a positive number, got {}", o.relative_tolerance));
@@ -61,6 +57,10 @@ SbdfOptions checked(SbdfOptions o, int n_species) {
 }  // namespace
 
 double sbdf_line_cost(int n_species) { return std::min(3.0 + 10.0 * n_species, 35.0); }
+
+double sbdf_plane_cost(int n_species) {
+  return n_species <= plane_correction_species ? 25.0 + 5.0 * n_species : std::numeric_limits<double>::infinity();
+}
 
 double sbdf_step_tolerance(double relative_tolerance) {
   constexpr double loosest = 3e-3;
@@ -140,9 +140,9 @@ Sbdf::Treatment Sbdf::treatment(int order, double dt) const {
     const double passes = static_cast<double>(line_factors(diffusion_->order()).size());
     const double cost = passes * sbdf_line_cost(diffusion_->n_species());
     if (cost < best.cost || longest < dt) best = {0, cost};
-  } else if (diffusion_->n_species() <= plane_correction_species) {
-    const double cost = plane_cost(diffusion_->n_species());
-    if (cost < best.cost || longest < dt) best = {0, cost};
+  } else {
+    const double cost = sbdf_plane_cost(diffusion_->n_species());
+    if (cost < best.cost || (longest < dt && std::isfinite(cost))) best = {0, cost};
   }
   return best;
 }

@@ -43,6 +43,9 @@ double sbdf_step_tolerance(double relative_tolerance);
 /// What a Newton iteration that couples the cells of a line costs in sweeps (measured; see docs/sbdf.md). Constants, so that the choice is the
 /// same everywhere.
 double sbdf_line_cost(int n_species);
+/// What a step with corrections on coarser grids in two dimensions costs in sweeps, its sweeps included; infinite for more species than there are
+/// corrections for.
+double sbdf_plane_cost(int n_species);
 
 /// Backward differentiation of variable order 1..5 and variable step for u' = D Laplacian(u) + rates(t, u), solved by
 /// sweeps that never couple cells implicitly.
